@@ -1,0 +1,1 @@
+"""Any performance drives any face."""
