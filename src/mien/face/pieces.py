@@ -18,13 +18,21 @@ from mien.face.face import Array, Face
 REGIONS = ("brow", "eyes", "mouth")
 SIDES = ("L", "R")
 WHOLE = frozenset({"jaw_open"})
-"""Key models that no face does on one side: there is one jaw."""
+"""Key models that no face does in parts: there is one jaw."""
+BLINKS = frozenset({"blink", "blink_left", "blink_right"})
+"""Key models that shut eyes: they split into sides but not into regions, for a lid is one."""
+
+Cells = NDArray[np.bool_]
 
 _BLEND = 10.0
 """mm over which neighbouring masks fade into each other, on a face with pupils 63 mm apart."""
-_SHARE = 0.03
-"""A piece with less than this part of its key model's motion (summed squares) is not worth a
-morph target: its share goes to the strongest piece."""
+_VISIBLE = 1.2
+"""mm on that face: a piece whose skin nowhere moves as far is not worth a morph target, and its
+share goes to the strongest piece. (Not a share of the summed motion: a falling jaw moves so much
+skin that the brows of the same surprise would count for nothing.)"""
+_TWIN = 0.8
+"""A piece may be this much weaker where its partner on the other side is kept, lest a face that
+is symmetric but for rounding loses one of the two."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,23 +47,17 @@ class Pieces:
     """(W,) index into REGIONS of where it mostly moves."""
     side: NDArray[np.intp]
     """(W,) 0 left, 1 right, -1 both."""
+    cells: Cells
+    """(W, 3, 2) the regions and sides each gathers; those of one key model share them all out."""
     displacements: NDArray[np.float32]
     """(W, V, 3) mm."""
 
     def mirrored(self) -> NDArray[np.intp]:
         """(W,) index of each piece's partner on the other side; itself where there is none."""
         row = {name: i for i, name in enumerate(self.names)}
-        swap = {"L": "R", "R": "L"}
-        partner = [
-            name[:-1] + swap[name[-1]] if name[-2:] in ("_L", "_R") else name for name in self.names
-        ]
+        swap = {"_L": "_R", "_R": "_L"}
+        partner = [name[:-2] + swap.get(name[-2:], name[-2:]) for name in self.names]
         return np.array([row.get(p, i) for i, p in enumerate(partner)], dtype=np.intp)
-
-
-def _ramp(distance: Array, width: float) -> Array:
-    """0 below -width/2, 1 above width/2, smooth between."""
-    t = np.clip(distance / width + 0.5, 0.0, 1.0)
-    return t * t * (3.0 - 2.0 * t)
 
 
 def region_masks(face: Face, places: Array) -> Array:
@@ -64,19 +66,27 @@ def region_masks(face: Face, places: Array) -> Array:
     The borders are level lines half-way between lid fold and brow, and between lower lid and
     cheek bone.
     """
-    y = {fdp: face.point(fdp)[1] for fdp in ("3.13", "3.14", "4.3", "4.4", "3.9", "3.10", "5.3", "5.4")}
-    brow_line = (y["3.13"] + y["3.14"] + y["4.3"] + y["4.4"]) / 4.0
-    cheek_line = (y["3.9"] + y["3.10"] + y["5.3"] + y["5.4"]) / 4.0
+    fold, brow, lid, cheek = (
+        (face.point(left)[1] + face.point(right)[1]) / 2.0
+        for left, right in (("3.13", "3.14"), ("4.3", "4.4"), ("3.9", "3.10"), ("5.3", "5.4"))
+    )
+    brow_line, cheek_line = (fold + brow) / 2.0, (lid + cheek) / 2.0
     blend = _BLEND * _scale(face)
-    brow = _ramp(places[:, 1] - brow_line, min(blend, 1.6 * abs(y["4.3"] - brow_line)))
-    mouth = _ramp(cheek_line - places[:, 1], blend)
-    return np.stack([brow, 1.0 - brow - mouth, mouth])
+    above = _ramp(places[:, 1] - brow_line, min(blend, 1.6 * abs(brow - brow_line)))
+    below = _ramp(cheek_line - places[:, 1], blend)
+    return np.stack([above, 1.0 - above - below, below])
 
 
 def side_masks(face: Face, places: Array) -> Array:
     """(2, N) share of the left and right half; columns sum to 1."""
     left = _ramp(places[:, 0], _BLEND * _scale(face))
     return np.stack([left, 1.0 - left])
+
+
+def shares(cells: Cells, regions: Array, sides: Array) -> Array:
+    """(W, N) part of its key model that each piece has in N places, from their masks (3, N) and
+    (2, N)."""
+    return np.asarray(np.einsum("wrs,rn,sn->wn", cells.astype(float), regions, sides))
 
 
 def split(character: Character) -> Pieces:
@@ -88,53 +98,71 @@ def split(character: Character) -> Pieces:
         if part.name.startswith(("teeth", "gum", "tongue")):
             regions[:, part.first : part.last] = np.array([[0.0], [0.0], [1.0]])
             sides[:, part.first : part.last] = 0.5
+    visible = _VISIBLE * _scale(face)
     names: list[str] = []
-    tags: list[tuple[int, int, int]] = []
+    keys: list[int] = []
+    cells: list[Cells] = []
+    strongest: list[tuple[int, int]] = []
     fields: list[NDArray[np.float32]] = []
     for name in character.examples:
         key = character.keys.names.index(name)
         moved = character.keys.displacements[key]
-        side_list = [(-1, np.ones(len(moved)))] if name in WHOLE else list(enumerate(sides))
-        masks = {
-            (r, s): region * side for r, region in enumerate(regions) for s, side in side_list
-        }
-        for (region, side), mask in _merge_weak(masks, moved).items():
-            names.append(_piece_name(name, region, side, masks, moved))
-            tags.append((key, region, side))
-            fields.append((mask[:, None] * moved).astype(np.float32))
-    key_of, region_of, side_of = np.array(tags, dtype=np.intp).reshape(-1, 3).T
-    return Pieces(tuple(names), key_of, region_of, side_of, np.stack(fields))
+        peak = (regions[:, None] * sides[None] * np.linalg.norm(moved, axis=-1)).max(axis=-1)
+        found = _gather(peak, visible, name)
+        mask = shares(np.stack([gathered for _, _, gathered in found]), regions, sides)
+        fields.extend((mask[..., None] * moved).astype(np.float32))
+        cells.extend(gathered for _, _, gathered in found)
+        strongest.extend((region, side) for region, side, _ in found)
+        keys.extend([key] * len(found))
+        names.extend(_piece_names(name, [(region, side) for region, side, _ in found]))
+    region_of, side_of = np.array(strongest, dtype=np.intp).reshape(-1, 2).T
+    return Pieces(
+        names=tuple(names),
+        key=np.array(keys, dtype=np.intp),
+        region=region_of,
+        side=side_of,
+        cells=np.array(cells, dtype=bool).reshape(-1, len(REGIONS), len(SIDES)),
+        displacements=np.stack(fields),
+    )
 
 
-def _merge_weak(
-    masks: dict[tuple[int, int], Array], moved: NDArray[np.float32]
-) -> dict[tuple[int, int], Array]:
-    energy = {tag: float(((mask[:, None] * moved) ** 2).sum()) for tag, mask in masks.items()}
-    best = max(energy, key=lambda tag: energy[tag])
-    limit = _SHARE * sum(energy.values())
-    kept = {tag: mask for tag, mask in masks.items() if energy[tag] >= limit or tag == best}
-    for (region, side), mask in masks.items():
-        if (region, side) not in kept:
-            same_side = [tag for tag in kept if tag[1] == side]
-            heir = max(same_side, key=lambda tag: energy[tag]) if same_side else best
-            kept[heir] = kept[heir] + mask
-    return kept
+def _ramp(distance: Array, width: float) -> Array:
+    """0 below -width/2, 1 above width/2, smooth between."""
+    t = np.clip(distance / width + 0.5, 0.0, 1.0)
+    return t * t * (3.0 - 2.0 * t)
 
 
-def _piece_name(
-    name: str,
-    region: int,
-    side: int,
-    masks: dict[tuple[int, int], Array],
-    moved: NDArray[np.float32],
-) -> str:
-    kept = _merge_weak(masks, moved)
-    stem = name.removesuffix("_left").removesuffix("_right")
-    if len({r for r, _ in kept}) > 1:
-        stem += f"_{REGIONS[region]}"
-    if side < 0 or (len({s for _, s in kept}) == 1 and stem == name):
-        return stem
-    return f"{stem}_{SIDES[side]}"
+def _gather(peak: Array, visible: float, name: str) -> list[tuple[int, int, Cells]]:
+    """Which pieces a key model falls into: region, side (-1 both) and cells (3, 2) of each, from
+    the furthest motion ``peak`` (3, 2) in every cell. Weak cells join the strongest piece of their
+    side."""
+    top_region, top_side = np.unravel_index(np.argmax(peak), peak.shape)
+    if name in WHOLE:
+        return [(int(top_region), -1, np.ones(peak.shape, dtype=bool))]
+    kept = (peak >= visible) | ((peak >= _TWIN * visible) & (peak[:, ::-1] >= visible))
+    if name in BLINKS:
+        kept[np.arange(len(peak)) != top_region] = False
+    kept[top_region, top_side] = True
+    cells = {(int(r), int(s)): np.zeros(peak.shape, dtype=bool) for r, s in np.argwhere(kept)}
+    for region, side in np.ndindex(*peak.shape):
+        heir_side = side if kept[:, side].any() else int(top_side)
+        strongest = int(np.argmax(np.where(kept[:, heir_side], peak[:, heir_side], -1.0)))
+        heir = (region, side) if kept[region, side] else (strongest, heir_side)
+        cells[heir][region, side] = True
+    return [(region, side, gathered) for (region, side), gathered in cells.items()]
+
+
+def _piece_names(name: str, places: list[tuple[int, int]]) -> list[str]:
+    """Names of one key model's pieces: its own, then the region where it has several, then the
+    side. "blink_left", which moves one side alone, becomes "blink_L"."""
+    one_sided = len({side for _, side in places}) == 1
+    stem = name.removesuffix("_left").removesuffix("_right") if one_sided else name
+    names = []
+    for region, side in places:
+        where = f"_{REGIONS[region]}" if len({r for r, _ in places}) > 1 else ""
+        which = "" if side < 0 or (one_sided and stem == name) else f"_{SIDES[side]}"
+        names.append(f"{stem}{where}{which}")
+    return names
 
 
 def _scale(face: Face) -> float:
