@@ -10,6 +10,9 @@ from numpy.typing import NDArray
 
 from mien.face.character import Character, KeyModels
 from mien.face.face import Face, FeaturePoints, Material, Part
+from mien.face.pieces import split
+from mien.numeric.rotation import from_vector
+from mien.performance.curves import Curves
 
 Array = NDArray[np.float64]
 Ints = NDArray[np.int32]
@@ -115,3 +118,23 @@ def _ball(
         np.stack([np.full_like(column, bottom), low + following, low + column], -1),
     ]
     return places, np.concatenate(triangles).astype(np.int32)
+
+
+def toy_curves(
+    character: Character, frames: int = 9, names: tuple[str, ...] | None = None
+) -> Curves:
+    """A short take at a variable rate in which everything moves."""
+    names = names or split(character).names
+    rng = np.random.default_rng(4)
+    time = np.concatenate([[0.0], np.cumsum(rng.choice([1 / 24, 1 / 30, 1 / 12], frames - 1))])
+    return Curves(
+        character=character.name,
+        names=names,
+        time=time,
+        weights=rng.uniform(0.0, 1.0, (frames, len(names))),
+        rotation=from_vector(rng.uniform(-0.5, 0.5, (frames, 3))),
+        translation=rng.uniform(-10.0, 10.0, (frames, 3)),
+        gaze=rng.uniform(-0.3, 0.3, (frames, 2, 2)),
+        lost=np.zeros(frames, dtype=bool),
+        residual=np.zeros(frames),
+    )
