@@ -1,0 +1,101 @@
+"""The landmark networks, behind one class. Nothing else imports them."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mien.capture.track import KEPT, LandmarkTrack
+from mien.errors import MissingExtraError, NoFaceError
+from mien.performance.frame import Frame
+
+Progress = Callable[[int], None]
+
+
+class Detector:
+    """Follows one face from picture to picture (MediaPipe FaceMesh with irises, video mode)."""
+
+    def __init__(self) -> None:
+        self._mesh: Any = _face_mesh()
+
+    def __enter__(self) -> Detector:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._mesh.close()
+
+    def landmarks(self, image: NDArray[np.uint8]) -> NDArray[np.float32] | None:
+        """(478, 3) landmarks of ``image`` (H, W, 3) RGB, or None where no face is seen.
+
+        x right and y down in pixels from the picture's outer corner, z in the same scale.
+        """
+        found = self._mesh.process(image).multi_face_landmarks
+        if not found:
+            return None
+        height, width = image.shape[:2]
+        points = np.array([(p.x, p.y, p.z) for p in found[0].landmark], dtype=np.float32)
+        return points * np.array([width, height, width], dtype=np.float32)
+
+
+def follow(frames: Iterable[Frame], progress: Progress | None = None) -> LandmarkTrack:
+    """Landmarks of every frame. Raises NoFaceError where not one frame shows a face."""
+    time: list[float] = []
+    points: list[NDArray[np.float32]] = []
+    lost: list[bool] = []
+    size = (0, 0)
+    rows = list(KEPT)
+    nothing = np.zeros((len(KEPT), 3), dtype=np.float32)
+    with Detector() as detector:
+        for frame in frames:
+            seen = detector.landmarks(frame.image)
+            time.append(frame.time)
+            points.append(nothing if seen is None else seen[rows])
+            lost.append(seen is None)
+            size = (frame.image.shape[1], frame.image.shape[0])
+            if progress is not None:
+                progress(len(time))
+    if all(lost):
+        raise NoFaceError(
+            f"no face was found in {len(time)} frames; a face must be in view, upright and lit"
+        )
+    return LandmarkTrack(np.array(time), np.stack(points), np.array(lost), size)
+
+
+def _face_mesh() -> Any:
+    try:
+        with _quiet_stderr():
+            from mediapipe.python.solutions.face_mesh import FaceMesh
+
+            mesh = FaceMesh(static_image_mode=False, max_num_faces=1, refine_landmarks=True)
+            # The networks log as they load, which they do at the first picture.
+            mesh.process(np.zeros((64, 64, 3), dtype=np.uint8))
+    except ImportError as error:
+        raise MissingExtraError("finding a face in a picture", "landmarks") from error
+    return mesh
+
+
+@contextmanager
+def _quiet_stderr() -> Iterator[None]:
+    """Keep what native code prints away from the terminal: no Python setting reaches it."""
+    sys.stderr.flush()
+    kept = os.dup(2)
+    with Path(os.devnull).open("wb") as sink:
+        os.dup2(sink.fileno(), 2)
+    try:
+        yield
+    finally:
+        os.dup2(kept, 2)
+        os.close(kept)

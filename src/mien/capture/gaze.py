@@ -1,0 +1,47 @@
+"""Where the eyes look, from the iris against the eye's corners."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mien.capture.track import ROW
+from mien.vocabulary.landmarks import EYE_CORNERS, IRIS
+
+Array = NDArray[np.float64]
+
+_RADIUS = 12.0
+"""mm from the centre of an eyeball to its pupil."""
+_PITCH_GAIN = 0.6
+"""Lids cover the iris above and below: the network sees half of a look up or down and invents
+the rest, so it is damped."""
+_VERGENCE_FREE = np.radians(6.0)
+"""Eyes are averaged unless they disagree by more: noise must not make a squint, crossing must."""
+
+
+def raw_gaze(lifted: Array) -> Array:
+    """(F, 2, 2) yaw (+ left) and pitch (+ up) of the left and right eye, of tracked points
+    (F, N, 3) in the head frame, from an unknown rest."""
+    eyes = []
+    for iris, (outer, inner) in zip(IRIS, EYE_CORNERS, strict=True):
+        middle = 0.5 * (lifted[:, ROW[outer]] + lifted[:, ROW[inner]])
+        offset = (lifted[:, ROW[iris]] - middle)[:, :2] / _RADIUS
+        eyes.append(np.arcsin(np.clip(offset, -0.95, 0.95)))
+    return np.stack(eyes, axis=1)
+
+
+def gaze_rest(raw: Array, head: Array) -> Array:
+    """(2, 2) the raw gaze of each eye at rest. Most of a take a performer looks at the camera:
+    ``head`` (F, 2) is the head's own yaw and pitch, which the eyes then undo."""
+    return np.asarray(np.median(raw + head[:, None], axis=0))
+
+
+def gaze(raw: Array, rest: Array, closure: Array) -> Array:
+    """(F, 2, 2) gaze relative to rest, faded out behind shut lids (``closure`` (F, 2))."""
+    relative = raw - rest
+    both = relative.mean(1, keepdims=True)
+    apart = relative - both
+    apart = np.sign(apart) * np.clip(np.abs(apart) - _VERGENCE_FREE / 2.0, 0.0, None)
+    apart[..., 1] = 0.0
+    seen = np.clip((0.8 - closure.mean(1)) / 0.4, 0.0, 1.0)[:, None, None]
+    return np.asarray((both + apart) * np.array([1.0, _PITCH_GAIN]) * seen)

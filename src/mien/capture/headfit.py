@@ -1,0 +1,165 @@
+"""Head pose and expression fitted together to the picture of a face's points.
+
+Fitting the pose first and calling the rest expression makes an opening mouth tip the head and a
+turning head smile. Here Gauss-Newton finds both at once on the performer's own neutral plus the
+sculpted shapes of the generic face, from x and y alone: what a network says of depth is not used.
+
+    symbol                     name
+    Y = R (X + sum w_k D_k) + t    place of a point in the camera frame (OpenCV axes), mm
+    m                          the point in the picture as a ray (x/z, y/z)
+    r = m Y_z - Y_xy           residual in mm at the point's depth; linear in Y
+
+No frame looks at another: F frames at once or one at a time give the same numbers.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mien.numeric.rotation import from_vector
+
+Array = NDArray[np.float64]
+
+FRONTAL = np.diag([1.0, -1.0, -1.0])
+"""camera_from_head of a face that looks straight into the camera."""
+
+
+@dataclass(frozen=True, slots=True)
+class FitSettings:
+    """How much each thing is trusted."""
+
+    residual_sigma: float = 1.0
+    """mm, spread of a landmark about the model."""
+    knee: float = 2.5
+    """Cauchy knee in residual sigmas."""
+    weight_sigma: float = 0.3
+    """Prior spread of a shape's weight about zero."""
+    weight_max: float = 1.2
+    rounds: int = 3
+
+
+@dataclass(frozen=True, slots=True)
+class HeadModel:
+    """What is fitted: N points of a neutral face and K shapes that move them."""
+
+    neutral: Array
+    """(N, 3) mm, head frame."""
+    shapes: Array
+    """(K, N, 3) mm."""
+    rigid: NDArray[np.intp]
+    """Rows that expressions leave alone; they give the first pose."""
+
+
+@dataclass(frozen=True, slots=True)
+class HeadFit:
+    """Pose and weights of F frames."""
+
+    rotation: Array
+    """(F, 3, 3) camera_from_head."""
+    translation: Array
+    """(F, 3) mm, camera frame."""
+    weights: Array
+    """(F, K)"""
+
+
+def fit_heads(model: HeadModel, rays: Array, settings: FitSettings | None = None) -> HeadFit:
+    """Fit ``model`` to ``rays`` (F, N, 2) of its points; each frame on its own."""
+    settings = settings or FitSettings()
+    rotation, translation = _first_pose(model.neutral[model.rigid], rays[:, model.rigid])
+    none = np.zeros((0, len(model.rigid), 3))
+    rigid = HeadModel(model.neutral[model.rigid], none, model.rigid)
+    weights = np.zeros((len(rays), 0))
+    for _ in range(3):
+        rotation, translation, weights = _step(
+            rigid, rays[:, model.rigid], rotation, translation, weights, settings
+        )
+    weights = np.zeros((len(rays), len(model.shapes)))
+    for _ in range(settings.rounds):
+        rotation, translation, weights = _step(
+            model, rays, rotation, translation, weights, settings
+        )
+    return HeadFit(rotation, translation, weights)
+
+
+def motion_from_neutral(neutral: Array, rays: Array, fit: HeadFit) -> Array:
+    """Displacement (F, N, 3) of every point from the posed neutral, in the head frame, mm.
+
+    Only what the picture shows: nothing along the camera's axis.
+    """
+    posed = neutral @ np.swapaxes(fit.rotation, 1, 2) + fit.translation[:, None]
+    seen = rays * posed[..., 2:] - posed[..., :2]
+    return np.asarray(seen @ fit.rotation[:, :2])
+
+
+def _first_pose(neutral: Array, rays: Array) -> tuple[Array, Array]:
+    """Scaled-orthographic pose in closed form (DeMenthon and Davis 1995, first iteration)."""
+    centre = neutral.mean(0)
+    middle = rays.mean(1)
+    axes = np.einsum("cn,fnd->fdc", np.linalg.pinv(neutral - centre), rays - middle[:, None])
+    left, size, right = np.linalg.svd(axes, full_matrices=False)
+    rows = left @ right
+    rotation = np.concatenate([rows, np.cross(rows[:, :1], rows[:, 1:])], 1)
+    depth = 1.0 / size.mean(1)
+    place = np.concatenate([middle * depth[:, None], depth[:, None]], 1)
+    return rotation, place - rotation @ centre
+
+
+def _step(
+    model: HeadModel,
+    rays: Array,
+    rotation: Array,
+    translation: Array,
+    weights: Array,
+    settings: FitSettings,
+) -> tuple[Array, Array, Array]:
+    """One Gauss-Newton step on pose and weights; weights that press against a bound rest there."""
+    residual, jacobian = linearize(model, rays, rotation, translation, weights)
+    norm2 = (residual**2).sum(-1, keepdims=True) / settings.residual_sigma**2
+    trust = 1.0 / (1.0 + norm2 / settings.knee**2) / settings.residual_sigma**2
+    flat = jacobian.reshape(len(rays), -1, jacobian.shape[-1])
+    trusted = (jacobian * trust[..., None]).reshape(flat.shape)
+    normal = np.swapaxes(trusted, 1, 2) @ flat
+    right = -np.einsum("frk,fr->fk", trusted, residual.reshape(len(rays), -1))
+    prior = 1.0 / settings.weight_sigma**2
+    diagonal = np.arange(6, normal.shape[-1])
+    normal[:, diagonal, diagonal] += prior
+    right[:, 6:] -= prior * weights
+    pressed = ((weights <= 0.0) & (right[:, 6:] < 0.0)) | (
+        (weights >= settings.weight_max) & (right[:, 6:] > 0.0)
+    )
+    normal[:, diagonal, diagonal] += 1e9 * pressed
+    step = np.linalg.solve(normal, right[..., None])[..., 0]
+    return (
+        from_vector(step[:, :3]) @ rotation,
+        translation + step[:, 3:6],
+        np.clip(weights + step[:, 6:], 0.0, settings.weight_max),
+    )
+
+
+def linearize(
+    model: HeadModel, rays: Array, rotation: Array, translation: Array, weights: Array
+) -> tuple[Array, Array]:
+    """Residual (F, N, 2) and its Jacobian (F, N, 2, 6 + K) in a left rotation increment about the
+    head's origin, the translation and the weights."""
+    frames, points, shapes = len(rays), len(model.neutral), len(model.shapes)
+    shape = model.neutral + np.tensordot(weights, model.shapes, axes=1)
+    turned = shape @ np.swapaxes(rotation, 1, 2)
+    place = turned + translation[:, None]
+    residual = rays * place[..., 2:] - place[..., :2]
+    jacobian = np.empty((frames, points, 2, 6 + shapes))
+    x, y, z = np.moveaxis(turned, -1, 0)
+    for row, ray in enumerate(np.moveaxis(rays, -1, 0)):
+        # d place_z / d omega = (y, -x, 0); d place_x = (0, z, -y); d place_y = (-z, 0, x)
+        own = (np.zeros_like(x), z, -y) if row == 0 else (-z, np.zeros_like(x), x)
+        jacobian[:, :, row, 0] = ray * y - own[0]
+        jacobian[:, :, row, 1] = -ray * x - own[1]
+        jacobian[:, :, row, 2] = -own[2]
+        jacobian[:, :, row, 3:6] = 0.0
+        jacobian[:, :, row, 3 + row] = -1.0
+        jacobian[:, :, row, 5] = ray
+    moved = np.einsum("fij,knj->fnik", rotation, model.shapes)
+    jacobian[..., 6:] = rays[..., None] * moved[:, :, 2:] - moved[:, :, :2]
+    return residual, jacobian

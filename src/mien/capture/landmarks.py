@@ -1,0 +1,175 @@
+"""A landmark track becomes a Performance.
+
+What a take tells of its performer (neutral, lids, gaze at rest) is found once, as a Calibration;
+every frame is then read by itself against it, so that live and offline give the same numbers.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mien.capture import gaze as eyes
+from mien.capture import lids
+from mien.capture.headfit import HeadFit, fit_heads, linearize, motion_from_neutral
+from mien.capture.neutral import Ground, find, head_model, own_neutral, refine, samples
+from mien.capture.track import ROW, LandmarkTrack
+from mien.errors import InputError
+from mien.performance.performance import Performance, Span
+from mien.vocabulary.landmarks import FACE_LANDMARKS, feature_points
+
+Array = NDArray[np.float64]
+
+USUAL_FOCAL = 1.1
+"""Focal length of an unknown camera, in picture widths; the fit hardly depends on it."""
+
+WORLD_FROM_CAMERA = np.diag([1.0, -1.0, -1.0])
+
+POINTS = tuple(feature_points())
+_POINT_ROWS = np.array([ROW[i] for i in feature_points().values()])
+_FACE_ROWS = np.array([row for i, row in ROW.items() if i < FACE_LANDMARKS])
+
+
+def _by_region(**values: float) -> Array:
+    """(P,) one value a feature point, by the region it lies in."""
+    region = {"2": "lips", "3": "lids", "4": "brows", "5": "cheeks", "8": "lips", "9": "nose"}
+    special = {"2.1": "chin", "2.10": "chin"}
+    special |= dict.fromkeys(("3.7", "3.8", "3.11", "3.12"), "corners")
+    return np.array([values[special.get(p, region[p.split(".")[0]])] for p in POINTS])
+
+
+SIGMA = _by_region(lips=1.0, brows=1.5, cheeks=2.0, nose=1.5, chin=3.0, lids=1.0, corners=2.0)
+"""(P,) mm, standard error of the network's points."""
+GAIN = _by_region(lips=1.15, brows=1.6, cheeks=1.6, nose=1.6, chin=1.6, lids=1.0, corners=1.0)
+"""(P,) the network under-reports motion, each region by its own factor; this undoes it."""
+SPANS = (
+    *(
+        Span(upper, lower, 1, 0.4)
+        for upper, lower in (("2.2", "2.3"), ("2.6", "2.8"), ("2.7", "2.9"))
+    ),
+    Span("8.3", "8.4", 0, 0.7),
+)
+"""Lip opening and mouth width are seen better than either of their ends."""
+
+
+@dataclass(frozen=True, slots=True)
+class Calibration:
+    """What is known of a performer and the camera."""
+
+    neutral: Array
+    """(N, 3) mm, head frame, of the tracked landmarks."""
+    offset: Array
+    """(N, 3) mm, what the neutral frames still show as motion: the network's constant error."""
+    lids: lids.LidRange
+    gaze: Array
+    """(2, 2) raw gaze at rest."""
+    focal: float
+    """Pixels."""
+
+
+def rays(track: LandmarkTrack, focal: float) -> Array:
+    """(F, N, 2) directions x/z, y/z of the tracked points in the camera frame."""
+    centre = np.array(track.size, dtype=float) / 2.0
+    return (track.points[..., :2].astype(float) - centre) / focal
+
+
+def calibrate(
+    track: LandmarkTrack,
+    ground: Ground,
+    *,
+    neutral: tuple[float, float] | None = None,
+    focal: float | None = None,
+) -> Calibration:
+    """Learn the performer from a take.
+
+    ``neutral`` names the seconds (first, last) in which the face rests; without it the most
+    neutral stretch is found. ``focal`` in pixels. Raises InputError where no face is seen in the
+    seconds named.
+    """
+    focal = focal or USUAL_FOCAL * track.size[0]
+    seen = np.flatnonzero(~track.lost)
+    points, directions = track.points[seen], rays(track, focal)[seen]
+    if neutral is None:
+        rest = find(points, directions, ground)
+    else:
+        rest = _named(track.time[seen], neutral)
+    chosen = samples(len(seen))
+    place = refine(own_neutral(points[rest], ground), directions[chosen], ground)
+    offset = np.median(_read(place, directions[rest], ground)[1], axis=0)
+    fit, motion = _read(place, directions[chosen], ground)
+    lifted = place + motion - offset
+    at_rest = place + _read(place, directions[rest], ground)[1] - offset
+    return Calibration(
+        place,
+        offset,
+        lids.lid_range(lids.openings(lifted, place), lids.openings(at_rest, place)),
+        eyes.gaze_rest(eyes.raw_gaze(lifted), _facing(fit)),
+        focal,
+    )
+
+
+def perform(track: LandmarkTrack, known: Calibration, ground: Ground, source: str) -> Performance:
+    """Read every frame of ``track`` against what is known of the performer."""
+    seen = np.flatnonzero(~track.lost)
+    directions = rays(track, known.focal)[seen]
+    fit, motion = _read(known.neutral, directions, ground)
+    motion -= known.offset
+    lifted = known.neutral + motion
+    facing = _facing(fit)
+    closure = lids.closures(lids.openings(lifted, known.neutral), known.lids, facing[:, 0])
+    hold = _hold(track.lost)
+    return Performance(
+        points=POINTS,
+        neutral=known.neutral[_POINT_ROWS],
+        time=track.time,
+        motion=(motion[:, _POINT_ROWS] * GAIN[:, None])[hold],
+        sigma=np.repeat(SIGMA[:, None], 3, axis=1),
+        rotation=(WORLD_FROM_CAMERA @ fit.rotation)[hold],
+        translation=(fit.translation @ WORLD_FROM_CAMERA)[hold],
+        gaze=eyes.gaze(eyes.raw_gaze(lifted), known.gaze, closure)[hold],
+        confidence=np.where(track.lost, 0.0, _confidence(known, directions, fit, ground)[hold]),
+        lost=track.lost,
+        unseen=fit.rotation[:, 2][hold],
+        rest_translation=np.median(fit.translation, axis=0) @ WORLD_FROM_CAMERA,
+        spans=SPANS,
+        scalars={"lid_left": closure[hold, 0], "lid_right": closure[hold, 1]},
+        source=source,
+    )
+
+
+def _read(neutral: Array, directions: Array, ground: Ground) -> tuple[HeadFit, Array]:
+    fit = fit_heads(head_model(neutral, ground), directions[:, _FACE_ROWS])
+    return fit, motion_from_neutral(neutral, directions, fit)
+
+
+def _facing(fit: HeadFit) -> Array:
+    """(F, 2) yaw (+ to the performer's left) and pitch (+ up) of the head."""
+    x, y, z = np.moveaxis(fit.rotation[:, :, 2], -1, 0)
+    return np.stack([np.arctan2(x, -z), np.arcsin(np.clip(-y, -1.0, 1.0))], axis=1)
+
+
+def _confidence(known: Calibration, directions: Array, fit: HeadFit, ground: Ground) -> Array:
+    """(F,) 1 where the points lie as a face can, falling with what no face explains (mm rms)."""
+    model = head_model(known.neutral, ground)
+    residual, _ = linearize(
+        model, directions[:, _FACE_ROWS], fit.rotation, fit.translation, fit.weights
+    )
+    rms = np.sqrt((residual**2).sum(-1).mean(1))
+    return np.asarray(1.0 / (1.0 + (rms / 4.0) ** 2))
+
+
+def _hold(lost: NDArray[np.bool_]) -> NDArray[np.intp]:
+    """(F,) which seen frame stands for each frame: itself, the last one seen, or the first."""
+    return np.asarray(np.maximum(np.cumsum(~lost) - 1, 0))
+
+
+def _named(time: Array, span: tuple[float, float]) -> slice:
+    inside = np.flatnonzero((time >= span[0] - 1e-6) & (time <= span[1] + 1e-6))
+    if len(inside) == 0:
+        raise InputError(
+            f"--neutral: no face is seen between {span[0]:g} and {span[1]:g} s; "
+            f"the take shows one from {time[0]:g} to {time[-1]:g} s"
+        )
+    return slice(int(inside[0]), int(inside[-1]) + 1)
