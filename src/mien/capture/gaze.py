@@ -12,11 +12,14 @@ Array = NDArray[np.float64]
 
 _RADIUS = 12.0
 """mm from the centre of an eyeball to its pupil."""
-_PITCH_GAIN = 0.6
+_PITCH_GAIN = 0.4
 """Lids cover the iris above and below: the network sees half of a look up or down and invents
 the rest, so it is damped."""
 _VERGENCE_FREE = np.radians(6.0)
 """Eyes are averaged unless they disagree by more: noise must not make a squint, crossing must."""
+
+
+_RESTING_TURN = np.radians(10.0)
 
 
 def raw_gaze(lifted: Array) -> Array:
@@ -31,9 +34,14 @@ def raw_gaze(lifted: Array) -> Array:
 
 
 def gaze_rest(raw: Array, head: Array) -> Array:
-    """(2, 2) the raw gaze of each eye at rest. Most of a take a performer looks at the camera:
-    ``head`` (F, 2) is the head's own yaw and pitch, which the eyes then undo."""
-    return np.asarray(np.median(raw + head[:, None], axis=0))
+    """(2, 2) the raw gaze of each eye at rest: its middle over the take.
+
+    ``head`` (F, 2) is the head's own yaw and pitch. Whoever keeps the head turned from the camera
+    mostly looks back at it, so a turn beyond what people rest at is not part of the rest.
+    """
+    turn = np.median(head, axis=0)
+    excess = np.sign(turn) * np.clip(np.abs(turn) - _RESTING_TURN, 0.0, None)
+    return np.asarray(np.median(raw, axis=0) + excess)
 
 
 def gaze(raw: Array, rest: Array, closure: Array) -> Array:

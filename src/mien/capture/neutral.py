@@ -22,7 +22,7 @@ from mien.capture.headfit import (
 from mien.capture.track import KEPT, ROW
 from mien.face.character import Character
 from mien.numeric.procrustes import align
-from mien.vocabulary.landmarks import FACE_LANDMARKS, IRIS, LOWER_LID, RIGID, UPPER_LID
+from mien.vocabulary.landmarks import EYE_CORNERS, FACE_LANDMARKS, IRIS, LOWER_LID, RIGID, UPPER_LID
 
 Array = NDArray[np.float64]
 
@@ -38,6 +38,10 @@ _DEPTH_SIGMA = 3.0
 """mm, how wrong a point of the network's neutral may be."""
 _INDEPENDENT = 60.0
 """Frames of a take that count as independent observations: neighbours repeat each other's bias."""
+
+_PUPIL_DEPTH = 4.0
+"""mm the pupil lies in front of the eye's corners. The iris network's own depth is worthless, and
+a wrong one makes eyes roll as the head turns."""
 
 _RIGID_ROWS = np.array([ROW[i] for i in RIGID])
 _MESH_ROWS = np.array([row for i, row in ROW.items() if i < FACE_LANDMARKS])
@@ -76,7 +80,8 @@ def own_neutral(points: NDArray[np.float32], ground: Ground) -> Array:
     """(N, 3) mm: the performer's neutral from the frames (F, N, 3) that show it."""
     neutral = np.median(lift(points, ground), axis=0)
     pupils = neutral[ROW[IRIS[0]]] - neutral[ROW[IRIS[1]]]
-    return np.asarray(neutral * (PUPIL_DISTANCE / np.linalg.norm(pupils)))
+    neutral *= PUPIL_DISTANCE / np.linalg.norm(pupils[:2])
+    return np.asarray(neutral)
 
 
 def head_model(neutral: Array, ground: Ground) -> HeadModel:
@@ -97,6 +102,8 @@ def refine(neutral: Array, rays: Array, ground: Ground, rounds: int = 2) -> Arra
         model = head_model(neutral, ground)
         fit = fit_heads(model, seen)
         neutral[_MESH_ROWS] += _correction(model, seen, fit, share)
+    for iris, corners in zip(IRIS, EYE_CORNERS, strict=True):
+        neutral[ROW[iris], 2] = neutral[[ROW[i] for i in corners], 2].mean() + _PUPIL_DEPTH
     return neutral
 
 
