@@ -1,0 +1,55 @@
+# Everything a newcomer needs: Python 3.11 or 3.12 and make. The rest is fetched into this folder.
+#
+#   make demo    a recorded face drives all four characters; results in out/demo
+#   make test    the tests
+#   make check   style, types, layers
+#   make clean   remove what make made
+
+.DEFAULT_GOAL := demo
+.PHONY: env demo test check format clean
+
+export UV_PYTHON_DOWNLOADS := never
+export UV_PROJECT_ENVIRONMENT := .venv
+UV_VERSION := 0.13.9
+UV := .boot/bin/uv
+BIN := .venv/bin
+
+# The first that runs: a name on PATH may be a shim for a version that is not installed.
+PYTHON ?= $(shell for p in python3.12 python3.11 python3 python; do \
+	$$p -c 'import sys; sys.exit(not (3, 11) <= sys.version_info < (3, 13))' 2>/dev/null \
+	&& echo $$p && break; done)
+
+$(UV):
+	@test -n "$(PYTHON)" || { echo "mien needs Python 3.11 or 3.12: install one, or name it: make PYTHON=/path/to/python3.12"; exit 1; }
+	@$(PYTHON) -m venv .boot || { rm -rf .boot; echo "$(PYTHON) cannot make environments: on Debian, apt install python3-venv"; exit 1; }
+	@.boot/bin/python -m pip install --quiet --disable-pip-version-check uv==$(UV_VERSION)
+
+# The lock names every package; the environment is as old as the newer of lock and project file.
+.venv/.synced: $(UV) uv.lock pyproject.toml
+	@begin=$$(date +%s); \
+	$(UV) sync --quiet --frozen --extra landmarks --compile-bytecode --python $(or $(PYTHON),3) && \
+	touch $@ && \
+	echo "environment ready in $$(( $$(date +%s) - begin )) s"
+
+env: .venv/.synced
+
+demo: env
+	@begin=$$(date +%s); \
+	$(BIN)/mien demo -o out/demo && \
+	echo "demo done in $$(( $$(date +%s) - begin )) s"
+
+test: env
+	@$(BIN)/pytest -n auto
+
+check: env
+	@$(BIN)/ruff check .
+	@$(BIN)/ruff format --check --quiet .
+	@$(BIN)/mypy
+	@told=$$($(BIN)/lint-imports --no-logo --no-cache) || { echo "$$told"; exit 1; }
+
+format: env
+	@$(BIN)/ruff check --fix --quiet .
+	@$(BIN)/ruff format --quiet .
+
+clean:
+	rm -rf .boot .venv .tools out .pytest_cache .ruff_cache .mypy_cache .hypothesis .import_linter_cache
