@@ -1,0 +1,179 @@
+"""The mapper: [B]'s cardinal weights refined jointly under bounds, lids mixed last.
+
+Cardinal weights are exact at the examples but know no bounds, and clipping them one by one takes
+apart what cancels; one small quadratic programme a frame does both (``programme``). Without the
+cardinal pull it is bounded least squares.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mien.errors import InputError
+from mien.face.character import Character
+from mien.face.pieces import BLINKS, split
+from mien.mapping.examples import measure_examples
+from mien.mapping.lids import MARGINS, SCALARS, find_lids
+from mien.mapping.programme import Programme, Terms
+from mien.mapping.regional import RegionalCardinal
+from mien.mapping.sight import compare
+from mien.performance.curves import Curves
+from mien.performance.performance import Performance
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """How a performance is mapped. Ridges and pulls are in units of the noise's variance."""
+
+    examples: str = "character"
+    """Source examples: "character" (measured on itself) or "generic" (of the same names)."""
+    gain: float = 1.0
+    """Exaggeration: the motion is multiplied by it before it is mapped."""
+    coupling: float = 2.0
+    """Pull to the cardinal weights; 0 for bounded least squares."""
+    ridge: float = 1.0
+    """Pull to rest."""
+    balance: float = 10.0
+    """Pull of the left and right piece of a key model to each other."""
+    kinship: float = 10.0
+    """Pull of the pieces of a key model in all regions to each other: it decides what one region
+    alone cannot tell (the brows of fear are half the brows of surprise)."""
+    linear_ridge: float = 1.0
+    """Ridge of the cardinal functions' linear part."""
+    bound: float = 1.15
+    """Largest weight (times the gain where that exceeds 1)."""
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.gain) and 0.0 <= self.gain <= 10.0):
+            raise InputError(f"gain {self.gain} cannot be used; choose from 0 to 10")
+
+
+_LID_SIGMA = 2.0
+"""Where closures are known, lid margins count as if measured this many times worse."""
+_CHUNK = 128
+"""Frames solved at a time, which bounds memory."""
+
+
+class JointMapper:
+    """One character driven by one performer. It has no memory: a frame maps alone as in a take.
+    Safe to call from several threads."""
+
+    def __init__(
+        self, character: Character, header: Performance, settings: Settings | None = None
+    ) -> None:
+        """``header`` is any performance of the performer: its points, neutral, sigma and spans
+        are what counts. Raises InputError where the two have too little in common."""
+        self.settings = settings or Settings()
+        self.character = character
+        self.pieces = split(character)
+        self._points = header.points
+        self.examples = measure_examples(
+            character, self.pieces, header.points, header.neutral, self.settings.examples
+        )
+        self.rows = compare(header, self.examples.points)
+        names = [character.keys.names[key] for key in self.pieces.key]
+        example = np.array([character.examples.index(name) for name in names], dtype=np.intp)
+        self.cardinal = RegionalCardinal(
+            self.examples, self.pieces, example, self.rows, self.settings.linear_ridge
+        )
+        count = np.bincount(example, minlength=len(character.examples))
+        self._mean = (example[:, None] == np.arange(len(count))) / np.maximum(count, 1)
+        self._fields = self.rows(self.examples.pieces)
+        self._lids = find_lids(character, self.pieces)
+        every, blink = np.ones(len(names), dtype=bool), np.isin(names, list(BLINKS))
+        self._with_blinks = self._programme(every, self.rows.precision)
+        self._without_blinks = self._programme(~blink, self.rows.precision * self._lid_belief())
+
+    def __call__(self, performance: Performance) -> Curves:
+        """Curves of the character for every frame of ``performance``, which is by the performer
+        the mapper was built for."""
+        weights = np.empty((len(performance), len(self.pieces.names)))
+        residual = np.empty(len(performance))
+        for part in _parts(len(performance)):
+            motion, unseen = self._read(performance, part)
+            weights[part] = self._weights(motion, unseen, _closure(performance, part))
+            residual[part] = self._residual(motion, unseen, weights[part])
+        rotation, translation = performance.head()
+        return Curves(
+            character=self.character.name,
+            names=self.pieces.names,
+            time=performance.time,
+            weights=weights,
+            rotation=rotation,
+            translation=translation,
+            gaze=performance.gaze,
+            lost=performance.lost,
+            residual=residual,
+        )
+
+    def key_weights(self, performance: Performance) -> Array:
+        """(F, K) weight of each of the character's examples, the mean of its pieces, as the
+        programme has it before lids are mixed."""
+        parts = [
+            self._with_blinks.solve(*self._read(performance, part)) @ self._mean
+            for part in _parts(len(performance))
+        ]
+        return np.concatenate(parts)
+
+    def cardinal_key_weights(self, performance: Performance) -> Array:
+        """(F, K) the same of [B]'s cardinal weights alone, from motion seen in full."""
+        motion, _ = self._read(performance, slice(None))
+        return np.asarray(self.cardinal(motion) @ self._mean)
+
+    def _programme(self, free: NDArray[np.bool_], precision: Array) -> Programme:
+        settings = self.settings
+        terms = Terms(
+            coupling=settings.coupling,
+            ridge=settings.ridge,
+            balance=settings.balance,
+            kinship=settings.kinship,
+            fill=settings.linear_ridge,
+            bound=settings.bound * max(settings.gain, 1.0),
+        )
+        return Programme(self._fields, precision, free, self.pieces, self.cardinal, terms)
+
+    def _lid_belief(self) -> Array:
+        """(Q, 1) how far rows count where closures are known."""
+        margins = [fdp for pair in MARGINS for fdp in pair]
+        belief = np.where(np.isin(self.examples.points, margins), _LID_SIGMA**-2.0, 1.0)
+        return self.rows.mask(belief)[:, None]
+
+    def _read(self, performance: Performance, part: slice) -> tuple[Array, Array]:
+        """Motion (F, Q, 3) of the compared rows, exaggerated, and the unseen directions."""
+        if performance.points != self._points:
+            raise ValueError("the performance has other feature points than the mapper's header")
+        motion = performance.motion[part][:, self.rows.points]
+        return self.rows(motion * self.settings.gain), performance.unseen[part]
+
+    def _weights(self, motion: Array, unseen: Array, closure: Array | None) -> Array:
+        if closure is None or self._lids is None:
+            return self._with_blinks.solve(motion, unseen)
+        # What the closures tell is taken out of the motion; what is left is squint and stare.
+        blinks = np.tensordot(self._lids.blink.astype(float), self._fields, axes=1)
+        shut = np.tensordot(np.clip(closure, 0.0, 1.0) * self.settings.gain, blinks, axes=1)
+        return self._lids.mix(self._without_blinks.solve(motion - shut, unseen), closure)
+
+    def _residual(self, motion: Array, unseen: Array, weights: Array) -> Array:
+        """(F,) mm, root mean square over the points of what was seen and not expressed."""
+        count = len(self.rows.points)
+        left = motion[:, :count] - np.tensordot(weights, self._fields[:, :count], axes=1)
+        along = (left * unseen[:, None]).sum(axis=-1)
+        return np.asarray(np.sqrt(((left**2).sum(axis=-1) - along**2).clip(0.0).mean(axis=1)))
+
+
+def _closure(performance: Performance, part: slice) -> Array | None:
+    """(F, 2) of the left and right lid, or None where they were not measured."""
+    if any(name not in performance.scalars for name in SCALARS):
+        return None
+    return np.stack([performance.scalars[name][part] for name in SCALARS], axis=-1)
+
+
+def _parts(frames: int) -> Iterator[slice]:
+    for first in range(0, frames, _CHUNK):
+        yield slice(first, min(first + _CHUNK, frames))

@@ -1,0 +1,116 @@
+"""The quadratic programme of one frame: motion, the cardinal pull and the bounds, jointly.
+
+    min_w  sum_qx ((A w - m)_qx / sigma_qx)^2 + coupling |w - cardinal(m)|^2
+           + balance sum (w_left - w_right)^2 + kinship sum (w - mean w)^2
+           + ridge |w|^2,     0 <= w <= bound
+
+A the pieces' motion and m the performer's, both without what the camera could not see; q runs
+over feature points and spans.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mien.face.pieces import Pieces
+from mien.mapping.regional import RegionalCardinal
+from mien.mapping.sight import Sight, seen
+from mien.numeric.qp import solve_boxes
+
+Array = NDArray[np.float64]
+
+_TURN = np.radians(25.0)
+"""A turned head is measured worse: rows count by 1 / (1 + (turn / this)^2)."""
+_FIRM = 1e-9
+"""Part of the largest curvature that is added to all, so that the minimum is always unique."""
+
+
+@dataclass(frozen=True, slots=True)
+class Terms:
+    """Weights of the terms, in units of the noise's variance."""
+
+    coupling: float
+    """Pull to the cardinal weights; 0 for bounded least squares alone."""
+    ridge: float
+    """Pull to rest."""
+    balance: float
+    """Pull of the left and right piece of a key model to each other."""
+    kinship: float
+    """Pull of all regions' pieces of a key model, on one side, to their mean."""
+    fill: float
+    """Ridge by which the unseen part of the motion is guessed for the cardinal weights."""
+    bound: float
+    """Largest weight."""
+
+
+class Programme:
+    """Solves for the weights of ``free`` pieces; the others stay at zero."""
+
+    def __init__(
+        self,
+        fields: Array,
+        precision: Array,
+        free: NDArray[np.bool_],
+        pieces: Pieces,
+        cardinal: RegionalCardinal,
+        terms: Terms,
+    ) -> None:
+        """``fields`` (W, Q, 3) motion of each piece, ``precision`` (Q, 3), ``free`` (W,)."""
+        self._count = len(free)
+        self._free = np.flatnonzero(free)
+        self._fields = fields[self._free]
+        self._sight = Sight(self._fields, precision)
+        self._cardinal = cardinal
+        self._terms = terms
+        pull = terms.balance * _pull_together(pieces.key, pieces.region)
+        pull += terms.kinship * _pull_together(pieces.key, pieces.side)
+        own = (terms.ridge + terms.coupling) * np.eye(len(self._free))
+        self._prior = pull[np.ix_(self._free, self._free)] + own
+
+    def solve(self, motion: Array, unseen: Array) -> Array:
+        """Weights (F, W) of all pieces for ``motion`` (F, Q, 3) mm, of which nothing is known
+        along ``unseen`` (F, 3)."""
+        alike = bool((unseen == unseen[:1]).all())
+        sight = seen(unseen)
+        gram = self._sight.gram(sight[:1] if alike else sight)
+        onto = self._sight.onto(motion, sight)
+        belief = _belief(unseen)
+        linear = -onto * belief[:, None]
+        if self._terms.coupling:
+            whole = self._fill(motion, unseen, sight, gram, onto)
+            linear -= self._terms.coupling * self._cardinal(whole)[:, self._free]
+        hessian = gram * belief[: len(gram), None, None] + self._prior
+        size = len(self._free)
+        hessian[:, np.arange(size), np.arange(size)] += _FIRM * hessian.max(axis=(1, 2))[:, None]
+        weights = np.zeros((len(motion), self._count))
+        weights[:, self._free] = solve_boxes(
+            hessian, linear, np.zeros(size), np.full(size, self._terms.bound)
+        )
+        return weights
+
+    def _fill(self, motion: Array, unseen: Array, sight: Array, gram: Array, onto: Array) -> Array:
+        """``motion`` with its unseen part as the pieces that explain the seen part would have
+        it, by ridge least squares: the cardinal functions need all three coordinates."""
+        if not unseen.any():
+            return motion
+        ridge = max(self._terms.fill, _FIRM * float(gram.max()))
+        weights = np.linalg.solve(gram + ridge * np.eye(len(self._free)), onto[..., None])[..., 0]
+        guess = (weights @ self._fields.reshape(len(self._free), -1)).reshape(motion.shape)
+        depth = (guess * unseen[:, None]).sum(axis=-1, keepdims=True)
+        return np.asarray(motion @ sight + depth * unseen[:, None])
+
+
+def _belief(unseen: Array) -> Array:
+    """(F,) how far the rows of a frame count, from the turn between the camera and the face."""
+    length = np.linalg.norm(unseen, axis=1)
+    turn = np.arccos(np.clip(np.abs(unseen[:, 2]), 0.0, 1.0))
+    return np.asarray(np.where(length > 0, 1.0 / (1.0 + (turn / _TURN) ** 2), 1.0))
+
+
+def _pull_together(key: NDArray[np.intp], group: NDArray[np.intp]) -> Array:
+    """(W, W) quadratic form of sum (w - mean w)^2 over the pieces of each key and group."""
+    kin = ((key[:, None] == key) & (group[:, None] == group)).astype(float)
+    return np.asarray(np.eye(len(key)) - kin / kin.sum(axis=1, keepdims=True))
