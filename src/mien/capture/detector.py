@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -25,6 +25,7 @@ class Detector:
 
     def __init__(self) -> None:
         self._mesh: Any = _face_mesh()
+        self._silent = False
 
     def __enter__(self) -> Detector:
         return self
@@ -42,9 +43,12 @@ class Detector:
 
         x right and y down in pixels from the picture's outer corner, z in the same scale.
         """
-        found = self._mesh.process(image).multi_face_landmarks
+        # The networks talk to the terminal until each has seen its first face.
+        with nullcontext() if self._silent else _quiet_stderr():
+            found = self._mesh.process(image).multi_face_landmarks
         if not found:
             return None
+        self._silent = True
         height, width = image.shape[:2]
         points = np.array([(p.x, p.y, p.z) for p in found[0].landmark], dtype=np.float32)
         return points * np.array([width, height, width], dtype=np.float32)
@@ -80,7 +84,6 @@ def _face_mesh() -> Any:
             from mediapipe.python.solutions.face_mesh import FaceMesh
 
             mesh = FaceMesh(static_image_mode=False, max_num_faces=1, refine_landmarks=True)
-            # The networks log as they load, which they do at the first picture.
             mesh.process(np.zeros((64, 64, 3), dtype=np.uint8))
     except ImportError as error:
         raise MissingExtraError("finding a face in a picture", "landmarks") from error

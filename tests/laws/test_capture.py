@@ -1,0 +1,224 @@
+"""Laws of the capture, on a performer made of the generic face: no detector, exact truth."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from mien.capture.headfit import (
+    FRONTAL,
+    FitSettings,
+    HeadModel,
+    fit_heads,
+    linearize,
+    motion_from_neutral,
+)
+from mien.capture.landmarks import GAIN, calibrate, perform
+from mien.capture.lids import LidRange, closures
+from mien.capture.neutral import Ground, ground
+from mien.capture.track import KEPT, ROW, LandmarkTrack
+from mien.errors import InputError
+from mien.face.library import generic_face
+from mien.numeric.rotation import angle_between, from_vector
+from mien.vocabulary.landmarks import FACE_LANDMARKS, IRIS, feature_points
+
+FOCAL = 704.0
+FRAMES = 90
+REST = slice(20, 50)
+
+
+def model(seed: int) -> HeadModel:
+    random = np.random.default_rng(seed)
+    return HeadModel(
+        random.normal(size=(24, 3)) * 40.0, random.normal(size=(3, 24, 3)) * 4.0, np.arange(12)
+    )
+
+
+def project(rotation, translation, shape):
+    place = shape @ np.swapaxes(rotation, -1, -2) + translation[:, None]
+    return place[..., :2] / place[..., 2:]
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.integers(0, 10_000))
+def test_jacobian_equals_central_differences(seed):
+    random = np.random.default_rng(seed)
+    face = model(seed)
+    turn = from_vector(random.normal(size=(2, 3)) * 0.3) @ FRONTAL
+    shift = np.array([[5.0, 3.0, 500.0], [-8.0, 1.0, 640.0]])
+    weights = random.uniform(0, 1, (2, 3))
+    rays = random.normal(size=(2, 24, 2)) * 0.1
+    _, jacobian = linearize(face, rays, turn, shift, weights)
+    step = 1e-5
+    for column in range(9):
+        change = np.zeros((2, 9))
+        change[:, column] = step
+        ends = [
+            linearize(
+                face,
+                rays,
+                from_vector(sign * change[:, :3]) @ turn,
+                shift + sign * change[:, 3:6],
+                weights + sign * change[:, 6:],
+            )[0]
+            for sign in (1, -1)
+        ]
+        numeric = (ends[0] - ends[1]) / (2 * step)
+        np.testing.assert_allclose(jacobian[..., column], numeric, atol=1e-5)
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.integers(0, 10_000))
+def test_pose_and_weights_of_an_exact_picture_are_found(seed):
+    random = np.random.default_rng(seed)
+    face = model(seed)
+    turn = from_vector(random.normal(size=(4, 3)) * 0.2) @ FRONTAL
+    shift = np.array([0.0, 0.0, 600.0]) + random.normal(size=(4, 3)) * 20.0
+    weights = random.uniform(0.1, 0.9, (4, 3))
+    rays = project(turn, shift, face.neutral + np.tensordot(weights, face.shapes, axes=1))
+    fit = fit_heads(face, rays, FitSettings(weight_sigma=100.0, rounds=10))
+    np.testing.assert_allclose(fit.weights, weights, atol=1e-3)
+    assert np.degrees(angle_between(turn, fit.rotation)).max() < 0.02
+
+
+def test_a_frame_alone_gives_what_it_gives_among_others():
+    random = np.random.default_rng(3)
+    face = model(3)
+    rays = project(
+        from_vector(random.normal(size=(6, 3)) * 0.2) @ FRONTAL,
+        np.tile([0.0, 0.0, 600.0], (6, 1)),
+        face.neutral,
+    )
+    together = fit_heads(face, rays)
+    for frame in range(6):
+        alone = fit_heads(face, rays[frame : frame + 1])
+        np.testing.assert_allclose(alone.rotation[0], together.rotation[frame], atol=1e-9)
+        np.testing.assert_allclose(alone.weights[0], together.weights[frame], atol=1e-9)
+
+
+def test_motion_holds_nothing_along_the_camera():
+    random = np.random.default_rng(5)
+    face = model(5)
+    turn = from_vector(np.array([[0.1, 0.4, 0.0]])) @ FRONTAL
+    moved = face.neutral + random.normal(size=face.neutral.shape)
+    rays = project(turn, np.array([[0.0, 0.0, 600.0]]), moved)
+    fit = fit_heads(face, rays)
+    motion = motion_from_neutral(face.neutral, rays, fit)
+    np.testing.assert_allclose(motion @ fit.rotation[0, 2], 0.0, atol=1e-9)
+
+
+# A whole take of a performer who is the generic face.
+
+
+@pytest.fixture(scope="module")
+def base() -> Ground:
+    return ground(generic_face())
+
+
+def act(base: Ground, shape: str | None = None) -> LandmarkTrack:
+    """A take: resting in REST, one shape swelling outside it, the head swaying."""
+    names = list(generic_face().examples)
+    level = np.zeros((FRAMES, len(names)))
+    swell = np.sin(np.linspace(0.0, 3.0 * np.pi, FRAMES)) ** 2
+    swell[REST] = 0.0
+    if shape is not None:
+        level[:, names.index(shape)] = swell
+    yaw = 0.3 * np.sin(np.arange(FRAMES) / 9.0)
+    yaw[REST] = 0.0
+    zero = np.zeros(FRAMES)
+    turn = FRONTAL @ from_vector(np.stack([0.3 * yaw, yaw, zero], 1))
+    face = base.neutral + np.tensordot(level, base.shapes, axes=1)
+    places = np.empty((FRAMES, len(KEPT), 3))
+    places[:, : face.shape[1]] = face
+    for side, iris in zip((1.0, -1.0), IRIS, strict=True):
+        places[:, ROW[iris]] = (side * 31.5, 0.0, 20.0)
+    seen = places @ np.swapaxes(turn, 1, 2) + np.array([3.0, -2.0, 560.0])
+    points = np.empty(seen.shape, dtype=np.float32)
+    points[..., :2] = seen[..., :2] / seen[..., 2:] * FOCAL + [320.0, 240.0]
+    points[..., 2] = (seen[..., 2] - 560.0) * FOCAL / 560.0
+    return LandmarkTrack(
+        np.arange(FRAMES) / 30.0, points, np.zeros(FRAMES, dtype=bool), (640, 480)
+    )
+
+
+def read(track: LandmarkTrack, base: Ground):
+    return perform(track, calibrate(track, base), base, "made")
+
+
+def test_kept_landmarks_of_the_face_come_first():
+    assert all(i < FACE_LANDMARKS for i in KEPT[: -len(IRIS)])
+    assert KEPT[-2:] == IRIS
+
+
+@pytest.mark.parametrize("shape", ["smile", "jaw_open", "brows_up", "pucker"])
+def test_motion_of_a_known_take_is_read(base, shape):
+    track = act(base, shape)
+    performance = read(track, base)
+    names = list(generic_face().examples)
+    swell = np.sin(np.linspace(0.0, 3.0 * np.pi, FRAMES)) ** 2
+    swell[REST] = 0.0
+    field = base.shapes[names.index(shape)][[ROW[i] for i in feature_points().values()]]
+    true = swell[:, None, None] * field
+    motion = performance.motion / GAIN[:, None]
+    error = np.linalg.norm((motion - true)[..., :2], axis=-1).mean()
+    assert error < 0.4 * np.linalg.norm(true[..., :2], axis=-1).mean()
+
+
+def test_the_head_is_read_where_nothing_moves(base):
+    track = act(base)
+    performance = read(track, base)
+    yaw = np.arctan2(performance.rotation[:, 0, 2], performance.rotation[:, 2, 2])
+    wanted = 0.3 * np.sin(np.arange(FRAMES) / 9.0)
+    wanted[REST] = 0.0
+    np.testing.assert_allclose(yaw, wanted, atol=np.radians(0.5))
+    assert np.abs(performance.motion / GAIN[:, None]).max() < 0.5
+
+
+def test_a_blink_of_one_eye_is_a_closure_of_that_eye(base):
+    performance = read(act(base, "blink_left"), base)
+    assert performance.scalars["lid_left"].max() > 0.9
+    assert performance.scalars["lid_right"].max() < 0.3
+    assert np.abs(performance.scalars["lid_left"][REST]).max() < 0.05
+
+
+def test_frames_without_a_face_are_lost_and_repeat_the_last(base):
+    track = act(base, "smile")
+    lost = track.lost.copy()
+    lost[[0, 1, 60, 61, 89]] = True
+    points = np.where(lost[:, None, None], 0.0, track.points).astype(np.float32)
+    performance = read(LandmarkTrack(track.time, points, lost, track.size), base)
+    assert (performance.lost == lost).all()
+    assert (performance.confidence[lost] == 0.0).all()
+    np.testing.assert_array_equal(performance.motion[61], performance.motion[59])
+    np.testing.assert_array_equal(performance.motion[0], performance.motion[2])
+    assert np.isfinite(performance.motion).all()
+
+
+def test_a_neutral_named_where_nobody_is_seen_is_refused(base):
+    with pytest.raises(InputError, match="--neutral"):
+        calibrate(act(base), base, neutral=(50.0, 51.0))
+
+
+def test_size_of_the_picture_does_not_matter(base):
+    track = act(base, "smile")
+    double = LandmarkTrack(track.time, track.points * 2.0, track.lost, (1280, 960))
+    one, two = read(track, base), read(double, base)
+    np.testing.assert_allclose(one.motion, two.motion, atol=1e-3)
+
+
+def test_closure_is_monotone_and_calibrated():
+    span = LidRange(np.array([0.3, 0.3]), np.array([0.1, 0.1]))
+    opening = np.repeat(np.linspace(0.32, 0.08, 60)[:, None], 2, axis=1)
+    closure = closures(opening, span, np.zeros(60))
+    assert (np.diff(closure, axis=0) >= 0).all()
+    np.testing.assert_allclose(closures(span.open[None], span, np.zeros(1)), 0.0, atol=1e-12)
+    assert closures(span.shut[None], span, np.zeros(1)).min() >= 1.0
+
+
+def test_the_far_eye_of_a_turned_head_follows_the_near_one():
+    span = LidRange(np.array([0.3, 0.3]), np.array([0.1, 0.1]))
+    opening = np.array([[0.1, 0.3]])
+    turned = closures(opening, span, np.array([np.radians(40.0)]))
+    np.testing.assert_allclose(turned[0, 0], turned[0, 1])
