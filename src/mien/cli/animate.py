@@ -1,0 +1,185 @@
+"""Let a recorded face drive characters: GLB files with animation, and a preview."""
+
+from __future__ import annotations
+
+import argparse
+import os
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from mien.cli.capture import (
+    CUT_OPTIONS,
+    add_cut_options,
+    describe,
+    follow,
+    summarize,
+    take_name,
+)
+from mien.cli.command import positive, remark, tell
+from mien.cli.results import results
+from mien.errors import InputError
+
+if TYPE_CHECKING:
+    from mien.face.character import Character
+    from mien.performance.curves import Curves
+    from mien.performance.performance import Performance
+
+PREVIEW = "preview.mp4"
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "take", metavar="TAKE", help="a video, a folder of images, camera:0 (with --end), or .mien"
+    )
+    add_cut_options(parser)
+    add_acting_options(parser, None)
+
+
+def add_acting_options(parser: argparse.ArgumentParser, output: str | None) -> None:
+    """Who acts, how, and where the results go (``output`` when nothing is said)."""
+    parser.add_argument(
+        "-o",
+        "--output",
+        default=output,
+        metavar="FOLDER|FILE",
+        help="a folder, or a file whose ending chooses the format where there is one result "
+        f"(default: {output or 'out/TAKE'})",
+    )
+    parser.add_argument(
+        "-c",
+        "--character",
+        action="append",
+        metavar="NAME",
+        dest="characters",
+        help="a built-in character or a character file; may be repeated (default: all built-in)",
+    )
+    parser.add_argument(
+        "-f",
+        "--format",
+        action="append",
+        metavar="ENDING",
+        dest="formats",
+        help="what to write for each character: glb, csv ...; may be repeated (default: glb)",
+    )
+    parser.add_argument(
+        "--mapping",
+        metavar="NAME",
+        default="cardinal",
+        help="how motion becomes weights (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--gain", type=positive, default=1.0, help="exaggerate (default: 1, as it was)"
+    )
+    parser.add_argument(
+        "--no-head", action="store_true", help="the head turns but does not leave its place"
+    )
+    parser.add_argument("--no-filter", action="store_true", help="leave the detector's tremble in")
+    parser.add_argument("--no-preview", action="store_true", help="write no preview.mp4")
+
+
+def run(options: argparse.Namespace) -> None:
+    from mien.face.library import CHARACTERS, load_character
+    from mien.formats.save import save
+
+    characters = [load_character(name) for name in options.characters or CHARACTERS]
+    plan = _plan(options, [character.name for character in characters])
+    with results(plan.folder) as claim:
+        performance = _performance(options)
+        acts: list[tuple[Character, Curves]] = []
+        written: list[Path] = []
+        for character, files in zip(characters, plan.files, strict=True):
+            remark(options, f"{character.name} acts")
+            curves = _act(options, performance, character)
+            acts.append((character, curves))
+            for file in files:
+                written.append(claim(file))
+                save(curves, written[-1], character)
+    summary = summarize(performance)
+    tell(
+        options,
+        {
+            "take": options.take,
+            **summary,
+            "characters": [_account(character, curves) for character, curves in acts],
+            "files": [str(path) for path in written],
+        },
+        f"{options.take}: {describe(summary)}",
+        *map(str, written),
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """Which files are to be written."""
+
+    folder: Path
+    files: tuple[tuple[str, ...], ...]
+    """Names in ``folder`` for each character."""
+    preview: str | None
+
+
+def _plan(options: argparse.Namespace, names: list[str]) -> Plan:
+    from mien.formats.save import saver
+
+    twice = {name for name in names if names.count(name) > 1}
+    if twice:
+        raise InputError(f"-c {min(twice)}: named twice; each character is written once")
+    given: str | None = options.output
+    output = Path("out", take_name(options.take)) if given is None else Path(given)
+    if given is None or given.endswith(("/", os.sep)) or output.is_dir() or not output.suffix:
+        endings = [ending.lstrip(".").lower() for ending in options.formats or ["glb"]]
+        files = tuple(tuple(f"{name}.{ending}" for ending in endings) for name in names)
+        for file in files[0]:
+            saver(Path(file))
+        return Plan(output, files, None if options.no_preview else PREVIEW)
+    if options.formats:
+        raise InputError(f"-f {options.formats[0]}: only with a folder; -o {given} names a file")
+    if output.suffix.lower() == ".mp4":
+        return Plan(output.parent, ((),) * len(names), output.name)
+    saver(output)
+    if len(names) > 1:
+        raise InputError(
+            f"-o {given}: one file for {len(names)} characters; choose one with -c, "
+            "or name a folder"
+        )
+    return Plan(output.parent, ((output.name,),), None)
+
+
+def _performance(options: argparse.Namespace) -> Performance:
+    if Path(options.take).suffix.lower() != ".mien":
+        return follow(options)
+    from mien.formats.mien_file import read_performance
+
+    given = [name for name in CUT_OPTIONS if getattr(options, name)]
+    if given:
+        raise InputError(
+            f"--{given[0]}: {options.take} is captured already; give it to 'mien capture'"
+        )
+    return read_performance(Path(options.take))
+
+
+def _act(options: argparse.Namespace, performance: Performance, character: Character) -> Curves:
+    from mien.recipe import animate
+
+    curves = animate(
+        performance,
+        character,
+        mapping=options.mapping,
+        gain=options.gain,
+        smooth=not options.no_filter,
+    )
+    if options.no_head:
+        curves = replace(curves, translation=curves.translation * 0.0)
+    return curves
+
+
+def _account(character: Character, curves: Curves) -> dict[str, object]:
+    """What a machine may want to know of one character's act."""
+    rms = float((curves.residual**2).mean() ** 0.5)
+    return {
+        "name": character.name,
+        "morph_targets": len(curves.names),
+        "residual_mm": round(rms, 4),
+        "largest_weight": round(float(abs(curves.weights).max(initial=0.0)), 4),
+    }

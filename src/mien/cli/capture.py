@@ -1,0 +1,122 @@
+"""Read what a recorded face did, into a .mien file."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from mien.cli.command import not_negative, positive, remark, span, tell
+from mien.cli.progress import progress
+from mien.cli.results import results
+from mien.errors import InputError
+
+if TYPE_CHECKING:
+    from mien.performance.performance import Performance
+
+CUT_OPTIONS = ("start", "end", "mirror", "neutral", "focal")
+"""Options that say how a recording is looked at."""
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "take", metavar="TAKE", help="a video, a folder of images, or camera:0 (with --end)"
+    )
+    add_cut_options(parser)
+    parser.add_argument(
+        "-o",
+        "--output",
+        type=Path,
+        metavar="FILE",
+        help="the .mien file (default: called as TAKE, in this folder)",
+    )
+
+
+def add_cut_options(parser: argparse.ArgumentParser) -> None:
+    """Which part of a recording to look at, and how."""
+    parser.add_argument(
+        "--capture",
+        metavar="NAME",
+        default="landmarks",
+        help="how the face is followed (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--start", type=not_negative, metavar="SECONDS", help="begin there (default: 0)"
+    )
+    parser.add_argument(
+        "--end", type=positive, metavar="SECONDS", help="end there (default: the take's end)"
+    )
+    parser.add_argument(
+        "--mirror", action="store_true", help="the take is a selfie's mirror image: turn it back"
+    )
+    parser.add_argument(
+        "--neutral",
+        type=span,
+        metavar="SECONDS",
+        help="when the face rests, from --start on: 2.5, or 2.5-3 (default: found)",
+    )
+    parser.add_argument(
+        "--focal",
+        type=positive,
+        metavar="PIXELS",
+        help="focal length of the camera (default: a usual one)",
+    )
+
+
+def run(options: argparse.Namespace) -> None:
+    from mien.formats.mien_file import write_performance
+
+    output: Path = options.output or Path(f"{take_name(options.take)}.mien")
+    if output.suffix.lower() != ".mien":
+        raise InputError(f"-o {output}: a performance is kept in a .mien file; end its name so")
+    with results(output.parent) as claim:
+        performance = follow(options)
+        write_performance(performance, claim(output.name))
+    summary = summarize(performance)
+    tell(
+        options,
+        {"take": options.take, **summary, "files": [str(output)]},
+        f"{options.take}: {describe(summary)}",
+        str(output),
+    )
+
+
+def follow(options: argparse.Namespace) -> Performance:
+    """Capture the take as the options say."""
+    from mien.recipe import capture
+
+    remark(options, f"following the face in {options.take}")
+    with progress("following the face") as told:
+        return capture(
+            options.take,
+            method=options.capture,
+            start=options.start,
+            end=options.end,
+            mirror=options.mirror,
+            neutral=options.neutral,
+            focal=options.focal,
+            progress=told,
+        )
+
+
+def take_name(take: str) -> str:
+    """What to call the results of a take: "clip" for "videos/clip.mp4", "camera0"."""
+    if take.startswith("camera:"):
+        return take.replace(":", "")
+    return Path(take).resolve().stem
+
+
+def summarize(performance: Performance) -> dict[str, float]:
+    """Facts of a take for --json."""
+    return {
+        "frames": len(performance),
+        "seconds": round(float(performance.time[-1]), 6),
+        "lost_frames": int(performance.lost.sum()),
+    }
+
+
+def describe(summary: dict[str, float]) -> str:
+    """The same in words."""
+    lost = summary["lost_frames"]
+    seen = f"no face in {lost} of them" if lost else "a face in all of them"
+    return f"{summary['frames']} frames, {summary['seconds']:.2f} s, {seen}"

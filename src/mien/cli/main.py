@@ -1,0 +1,76 @@
+"""The command line: picks a command, runs it, and says in one line what went wrong."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import signal
+import sys
+import traceback
+from collections.abc import Sequence
+from importlib import metadata
+from typing import NoReturn
+
+from mien.cli import animate, capture, character, demo, doctor
+from mien.cli.command import Command
+from mien.errors import MienError
+
+COMMANDS: dict[str, Command] = {
+    "animate": animate,
+    "capture": capture,
+    "character": character,
+    "demo": demo,
+    "doctor": doctor,
+}
+
+PLAIN_ERROR, INTERRUPTED, TERMINATED = 1, 130, 143
+
+
+def run(arguments: Sequence[str] | None = None) -> int:
+    """Entry point of ``mien``. Exit codes: 0, 1 (a plain error), 2 (usage), 130 (interrupted)."""
+    # Being told to end is cleaned up after like Ctrl-C: no half results stay behind.
+    signal.signal(signal.SIGTERM, _terminated)
+    options = _parser().parse_args(arguments)
+    try:
+        COMMANDS[options.command].run(options)
+        sys.stdout.flush()
+    except MienError as error:
+        if options.verbose:
+            traceback.print_exc()
+        if options.json:
+            print(json.dumps({"command": options.command, "error": str(error)}))
+        print(f"mien: {error}", file=sys.stderr)
+        return PLAIN_ERROR
+    except KeyboardInterrupt:
+        print("mien: interrupted; nothing was left behind", file=sys.stderr)
+        return INTERRUPTED
+    except BrokenPipeError:
+        # Whoever read the output has gone (| head): nothing is wrong, and nobody to tell.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    return 0
+
+
+def _parser() -> argparse.ArgumentParser:
+    common = argparse.ArgumentParser(add_help=False)
+    common.add_argument(
+        "--json", action="store_true", help="print one machine-readable result instead of text"
+    )
+    common.add_argument("-v", "--verbose", action="store_true", help="tell more, also of errors")
+    parser = argparse.ArgumentParser(
+        prog="mien",
+        description="Any performance drives any face.",
+        epilog="'mien COMMAND --help' tells more. Try 'mien demo' first.",
+    )
+    parser.add_argument("--version", action="version", version=f"mien {metadata.version('mien')}")
+    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    for name, command in COMMANDS.items():
+        summary = (command.__doc__ or "").splitlines()[0]
+        command.configure(
+            commands.add_parser(name, help=summary, description=summary, parents=[common])
+        )
+    return parser
+
+
+def _terminated(signum: int, frame: object) -> NoReturn:
+    raise SystemExit(TERMINATED)

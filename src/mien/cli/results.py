@@ -1,0 +1,57 @@
+"""Where a command's results go: all of them, or none."""
+
+from __future__ import annotations
+
+import shutil
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from mien.errors import OutputError
+
+
+@contextmanager
+def results(folder: Path) -> Iterator[Callable[[str], Path]]:
+    """Make ``folder`` and give a function that names results in it.
+
+    Whether one may write there is known before the work begins. When the block fails, Ctrl-C
+    included, what it added is taken away again. Raises OutputError.
+    """
+    made: list[Path] = []
+    added: list[Path] = []
+
+    def claim(name: str) -> Path:
+        path = folder / name
+        if not path.exists():
+            added.append(path)
+        return path
+
+    try:
+        _prepare(folder, made)
+        yield claim
+    except BaseException:
+        for path in added:
+            if path.is_dir():
+                shutil.rmtree(path, ignore_errors=True)
+            else:
+                path.unlink(missing_ok=True)
+        for path in reversed(made):
+            with suppress(OSError):
+                path.rmdir()
+        raise
+
+
+def _prepare(folder: Path, made: list[Path]) -> None:
+    missing = [path for path in (folder, *folder.parents) if not path.exists()]
+    try:
+        for path in reversed(missing):
+            path.mkdir()
+            made.append(path)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise OutputError(
+            f"cannot write into {folder}: {reason}; choose another folder with -o"
+        ) from error
