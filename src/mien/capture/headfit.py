@@ -65,14 +65,28 @@ class HeadFit:
     """(F, K)"""
 
 
+_RIGID_ROUNDS = 3
+_CHUNK = 64
+"""Frames fitted at a time: more fall out of the processor's cache."""
+
+
 def fit_heads(model: HeadModel, rays: Array, settings: FitSettings | None = None) -> HeadFit:
     """Fit ``model`` to ``rays`` (F, N, 2) of its points; each frame on its own."""
     settings = settings or FitSettings()
+    parts = [
+        _fit(model, rays[first : first + _CHUNK], settings)
+        for first in range(0, max(len(rays), 1), _CHUNK)
+    ]
+    return HeadFit(*(np.concatenate(values) for values in zip(*parts, strict=True)))
+
+
+def _fit(model: HeadModel, rays: Array, settings: FitSettings) -> tuple[Array, Array, Array]:
+    """The pose of the rigid points first, then pose and weights together."""
     rotation, translation = _first_pose(model.neutral[model.rigid], rays[:, model.rigid])
-    none = np.zeros((0, len(model.rigid), 3))
-    rigid = HeadModel(model.neutral[model.rigid], none, model.rigid)
+    nothing = np.zeros((0, len(model.rigid), 3))
+    rigid = HeadModel(model.neutral[model.rigid], nothing, model.rigid)
     weights = np.zeros((len(rays), 0))
-    for _ in range(3):
+    for _ in range(_RIGID_ROUNDS):
         rotation, translation, weights = _step(
             rigid, rays[:, model.rigid], rotation, translation, weights, settings
         )
@@ -81,7 +95,7 @@ def fit_heads(model: HeadModel, rays: Array, settings: FitSettings | None = None
         rotation, translation, weights = _step(
             model, rays, rotation, translation, weights, settings
         )
-    return HeadFit(rotation, translation, weights)
+    return rotation, translation, weights
 
 
 def motion_from_neutral(neutral: Array, rays: Array, fit: HeadFit) -> Array:
@@ -119,10 +133,10 @@ def _step(
     residual, jacobian = linearize(model, rays, rotation, translation, weights)
     norm2 = (residual**2).sum(-1, keepdims=True) / settings.residual_sigma**2
     trust = 1.0 / (1.0 + norm2 / settings.knee**2) / settings.residual_sigma**2
-    flat = jacobian.reshape(len(rays), -1, jacobian.shape[-1])
-    trusted = (jacobian * trust[..., None]).reshape(flat.shape)
-    normal = np.swapaxes(trusted, 1, 2) @ flat
-    right = -np.einsum("frk,fr->fk", trusted, residual.reshape(len(rays), -1))
+    frames, unknowns = jacobian.shape[:2]
+    trusted = (jacobian * trust[:, None]).reshape(frames, unknowns, -1)
+    normal = trusted @ np.swapaxes(jacobian.reshape(trusted.shape), 1, 2)
+    right = -(trusted @ residual.reshape(frames, -1, 1))[..., 0]
     prior = 1.0 / settings.weight_sigma**2
     diagonal = np.arange(6, normal.shape[-1])
     normal[:, diagonal, diagonal] += prior
@@ -142,24 +156,27 @@ def _step(
 def linearize(
     model: HeadModel, rays: Array, rotation: Array, translation: Array, weights: Array
 ) -> tuple[Array, Array]:
-    """Residual (F, N, 2) and its Jacobian (F, N, 2, 6 + K) in a left rotation increment about the
+    """Residual (F, N, 2) and its Jacobian (F, 6 + K, N, 2) in a left rotation increment about the
     head's origin, the translation and the weights."""
     frames, points, shapes = len(rays), len(model.neutral), len(model.shapes)
+    back = np.swapaxes(rotation, 1, 2)
     shape = model.neutral + np.tensordot(weights, model.shapes, axes=1)
-    turned = shape @ np.swapaxes(rotation, 1, 2)
+    turned = shape @ back
     place = turned + translation[:, None]
     residual = rays * place[..., 2:] - place[..., :2]
-    jacobian = np.empty((frames, points, 2, 6 + shapes))
+    jacobian = np.zeros((frames, 6 + shapes, points, 2))
     x, y, z = np.moveaxis(turned, -1, 0)
-    for row, ray in enumerate(np.moveaxis(rays, -1, 0)):
-        # d place_z / d omega = (y, -x, 0); d place_x = (0, z, -y); d place_y = (-z, 0, x)
-        own = (np.zeros_like(x), z, -y) if row == 0 else (-z, np.zeros_like(x), x)
-        jacobian[:, :, row, 0] = ray * y - own[0]
-        jacobian[:, :, row, 1] = -ray * x - own[1]
-        jacobian[:, :, row, 2] = -own[2]
-        jacobian[:, :, row, 3:6] = 0.0
-        jacobian[:, :, row, 3 + row] = -1.0
-        jacobian[:, :, row, 5] = ray
-    moved = np.einsum("fij,knj->fnik", rotation, model.shapes)
-    jacobian[..., 6:] = rays[..., None] * moved[:, :, 2:] - moved[:, :, :2]
+    # An increment omega moves a place by omega x (x, y, z).
+    jacobian[:, 0] = rays * y[..., None]
+    jacobian[:, 1] = rays * -x[..., None]
+    jacobian[:, 0, :, 1] += z
+    jacobian[:, 1, :, 0] -= z
+    jacobian[:, 2, :, 0] = y
+    jacobian[:, 2, :, 1] = -x
+    jacobian[:, 3, :, 0] = -1.0
+    jacobian[:, 4, :, 1] = -1.0
+    jacobian[:, 5] = rays
+    moved = (model.shapes.reshape(-1, 3) @ back).reshape(frames, shapes, points, 3)
+    np.multiply(rays[:, None], moved[..., 2:], out=jacobian[:, 6:])
+    jacobian[:, 6:] -= moved[..., :2]
     return residual, jacobian

@@ -32,7 +32,7 @@ PUPIL_DISTANCE = 63.0
 WINDOW = 15
 """Frames a neutral is looked for in: half a second."""
 
-_SAMPLES = 300
+_SAMPLES = 200
 """Frames of a take that are looked at to calibrate it; more change nothing but the time."""
 _DEPTH_SIGMA = 3.0
 """mm, how wrong a point of the network's neutral may be."""
@@ -119,7 +119,7 @@ def _correction(model: HeadModel, rays: Array, fit: HeadFit, share: float) -> Ar
 
 def samples(frames: int) -> NDArray[np.intp]:
     """Evenly spaced frames that stand for a take."""
-    return np.arange(0, frames, max(1, frames // _SAMPLES))
+    return np.arange(0, frames, max(1, -(-frames // _SAMPLES)))
 
 
 def find(points: NDArray[np.float32], rays: Array, ground: Ground) -> slice:
