@@ -37,14 +37,17 @@ class Settings:
     """Exaggeration: the motion is multiplied by it before it is mapped."""
     coupling: float = 2.0
     """Pull to the cardinal weights; 0 for bounded least squares."""
-    ridge: float = 1.0
+    ridge: float = 0.3
     """Pull to rest."""
+    thrift: float = 0.45
+    """Standard errors by which a piece must show before it moves at all. Weights cannot be
+    negative, so noise does not cancel: without this many small wrong pieces pile up."""
     balance: float = 10.0
     """Pull of the left and right piece of a key model to each other."""
     kinship: float = 10.0
     """Pull of the pieces of a key model in all regions to each other: it decides what one region
     alone cannot tell (the brows of fear are half the brows of surprise)."""
-    linear_ridge: float = 1.0
+    linear_ridge: float = 5.0
     """Ridge of the cardinal functions' linear part."""
     bound: float = 1.15
     """Largest weight (times the gain where that exceeds 1)."""
@@ -131,6 +134,7 @@ class JointMapper:
         terms = Terms(
             coupling=settings.coupling,
             ridge=settings.ridge,
+            thrift=settings.thrift,
             balance=settings.balance,
             kinship=settings.kinship,
             fill=settings.linear_ridge,

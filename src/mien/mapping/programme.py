@@ -2,10 +2,10 @@
 
     min_w  sum_qx ((A w - m)_qx / sigma_qx)^2 + coupling |w - cardinal(m)|^2
            + balance sum (w_left - w_right)^2 + kinship sum (w - mean w)^2
-           + ridge |w|^2,     0 <= w <= bound
+           + ridge |w|^2 + 2 thrift sum w_i / e_i,     0 <= w <= bound
 
 A the pieces' motion and m the performer's, both without what the camera could not see; q runs
-over feature points and spans.
+over feature points and spans; e_i is the standard error of w_i alone, face on and in full view.
 """
 
 from __future__ import annotations
@@ -36,6 +36,8 @@ class Terms:
     """Pull to the cardinal weights; 0 for bounded least squares alone."""
     ridge: float
     """Pull to rest."""
+    thrift: float
+    """Standard errors by which a piece must show before it moves at all."""
     balance: float
     """Pull of the left and right piece of a key model to each other."""
     kinship: float
@@ -65,6 +67,8 @@ class Programme:
         self._sight = Sight(self._fields, precision)
         self._cardinal = cardinal
         self._terms = terms
+        certainty = np.sqrt((self._fields**2 * precision).sum(axis=(1, 2)))
+        self._threshold = terms.thrift * certainty
         pull = terms.balance * _pull_together(pieces.key, pieces.region)
         pull += terms.kinship * _pull_together(pieces.key, pieces.side)
         own = (terms.ridge + terms.coupling) * np.eye(len(self._free))
@@ -78,7 +82,7 @@ class Programme:
         gram = self._sight.gram(sight[:1] if alike else sight)
         onto = self._sight.onto(motion, sight)
         belief = _belief(unseen)
-        linear = -onto * belief[:, None]
+        linear = self._threshold - onto * belief[:, None]
         if self._terms.coupling:
             whole = self._fill(motion, unseen, sight, gram, onto)
             linear -= self._terms.coupling * self._cardinal(whole)[:, self._free]
