@@ -18,7 +18,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from report import show
 
 import mien
 from mien.capture import CAPTURES, CaptureSettings
@@ -28,6 +27,7 @@ from mien.face.pieces import split
 from mien.formats.sources import open_source
 from mien.performance.curves import Curves
 from mien.performance.frame import Frame
+from report import show
 
 Array = NDArray[np.float64]
 Bools = NDArray[np.bool_]

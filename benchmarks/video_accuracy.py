@@ -18,7 +18,6 @@ from typing import Any
 import cv2
 import numpy as np
 from numpy.typing import NDArray
-from report import show
 
 import mien
 from mien.capture.detector import follow
@@ -32,6 +31,7 @@ from mien.formats.sources import open_source
 from mien.numeric.rotation import angle_between
 from mien.performance.performance import Performance
 from mien.vocabulary.landmarks import RIGID
+from report import show
 
 Array = NDArray[np.float64]
 

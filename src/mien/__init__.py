@@ -2,30 +2,21 @@
 
 performance = mien.capture("take.mp4")
 curves = mien.animate(performance, "man")
-mien.save(curves, "man.glb")
+mien.save(curves, "man.glb", mien.load_character("man"))
 """
 
-from importlib import import_module
-from typing import TYPE_CHECKING
+# Bound here and not when asked for: the function ``capture`` shares its name with a room, and
+# whichever is bound last wins.
+from mien.face.library import CHARACTERS, load_character
+from mien.formats.save import save
+from mien.recipe import animate, capture, load_performance, save_performance
 
-if TYPE_CHECKING:
-    from mien.face.library import CHARACTERS, load_character
-    from mien.recipe import animate, capture
-
-__all__ = ["CHARACTERS", "animate", "capture", "load_character"]
-
-_HOME = {
-    "CHARACTERS": "mien.face.library",
-    "animate": "mien.recipe",
-    "capture": "mien.recipe",
-    "load_character": "mien.face.library",
-}
-
-
-def __getattr__(name: str) -> object:
-    # Found when asked for: ``mien --help`` need not wait for numba and the mathematics.
-    if name not in _HOME:
-        raise AttributeError(f"module 'mien' has no attribute '{name}'")
-    value = getattr(import_module(_HOME[name]), name)
-    globals()[name] = value
-    return value
+__all__ = [
+    "CHARACTERS",
+    "animate",
+    "capture",
+    "load_character",
+    "load_performance",
+    "save",
+    "save_performance",
+]

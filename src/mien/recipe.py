@@ -7,17 +7,38 @@ from pathlib import Path
 from typing import TypeVar
 
 from mien.capture import CAPTURES, CaptureSettings
+from mien.capture.shapes import motion_from_shapes
 from mien.errors import InputError
 from mien.face.character import Character
-from mien.face.library import load_character
+from mien.face.library import generic_face, load_character
+from mien.formats.livelink import read_livelink, write_livelink
+from mien.formats.mien_file import read_performance, write_performance
 from mien.formats.sources import open_source
 from mien.mapping import MAPPERS, Settings
+from mien.mapping.arkit import arkit_weights
 from mien.performance.curves import Curves
 from mien.performance.filters import smooth as smooth_curves
 from mien.performance.performance import Performance
 
 Progress = Callable[[int, int | None], None]
 Way = TypeVar("Way")
+
+
+def _write_arkit(performance: Performance, path: Path) -> None:
+    weights = arkit_weights(performance, generic_face())
+    write_livelink(path, performance.time, weights, performance.head()[0], performance.gaze)
+
+
+READERS: Mapping[str, Callable[[Path], Performance]] = {
+    ".mien": read_performance,
+    ".csv": read_livelink,
+}
+"""How a file that holds a performance is read, by its ending."""
+WRITERS: Mapping[str, Callable[[Performance, Path], None]] = {
+    ".mien": write_performance,
+    ".csv": _write_arkit,
+}
+"""How a performance is kept in a file, by its ending."""
 
 
 def capture(
@@ -46,6 +67,19 @@ def capture(
     return way(source, CaptureSettings(neutral, focal), source.name, told)
 
 
+def load_performance(path: str | Path) -> Performance:
+    """A performance from a .mien file or a Live Link Face .csv. Raises InputError, FormatError."""
+    return _of_ending(READERS, Path(path))(Path(path))
+
+
+def save_performance(performance: Performance, path: str | Path) -> None:
+    """Keep a performance as .mien, or as a Live Link Face .csv (ARKit's 52 weights, head, eyes).
+
+    Raises InputError for another ending, OutputError where it cannot be written.
+    """
+    _of_ending(WRITERS, Path(path))(performance, Path(path))
+
+
 def animate(
     performance: Performance,
     character: str | Path | Character,
@@ -61,6 +95,8 @@ def animate(
     """
     if not isinstance(character, Character):
         character = load_character(character)
+    if performance.vocabulary and not performance.points:
+        performance = motion_from_shapes(performance, generic_face())
     mapper = _choose(MAPPERS, mapping, "mapping")(character, performance, Settings(gain=gain))
     curves = mapper(performance)
     return smooth_curves(curves) if smooth else curves
@@ -70,3 +106,10 @@ def _choose(ways: Mapping[str, Way], name: str, what: str) -> Way:
     if name not in ways:
         raise InputError(f"--{what} {name}: no such {what}; there are {', '.join(ways)}")
     return ways[name]
+
+
+def _of_ending(ways: Mapping[str, Way], path: Path) -> Way:
+    way = ways.get(path.suffix.lower())
+    if way is None:
+        raise InputError(f"{path}: a performance is kept as {' or '.join(ways)}")
+    return way

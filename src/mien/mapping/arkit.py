@@ -1,0 +1,46 @@
+"""A performance as the 52 weights of ARKit: what phones stream and most rigs speak."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mien.face.character import Character
+from mien.mapping.joint import JointMapper
+from mien.performance.performance import Performance
+from mien.vocabulary.arkit import names
+
+Array = NDArray[np.float64]
+
+_LOOK = np.radians(35.0)
+"""Gaze angle at which an eyeLook shape is 1."""
+_APART = ("eyeBlink", "eyeLook")
+"""Set from lids and gaze, which are measured apart from the skin's motion."""
+_UNSEEN = frozenset(("tongueOut", "mouthClose"))
+"""The tongue is not tracked, and mouthClose only means something against jawOpen."""
+
+
+def arkit_weights(performance: Performance, generic: Character) -> Array:
+    """(F, 52) weights 0..1 in arkit52 order; as they came where the performance speaks ARKit.
+
+    ``generic`` is the generic face, which has all 52 as key models: they are mapped like any
+    character's, jointly and under bounds.
+    """
+    if performance.vocabulary == "arkit":
+        return performance.shapes
+    spoken = names()
+    driven = tuple(n for n in spoken if n not in _UNSEEN and not n.startswith(_APART))
+    mapper = JointMapper(replace(generic, examples=driven), performance)
+    weights = np.zeros((len(performance), len(spoken)))
+    weights[:, [spoken.index(name) for name in driven]] = mapper.key_weights(performance)
+    for eye, (side, inward) in enumerate((("Left", -1.0), ("Right", 1.0))):
+        yaw, pitch = np.moveaxis(performance.gaze[:, eye] / _LOOK, -1, 0)
+        looks = {"In": inward * yaw, "Out": -inward * yaw, "Up": pitch, "Down": -pitch}
+        for way, level in looks.items():
+            weights[:, spoken.index(f"eyeLook{way}{side}")] = level
+        lid = performance.scalars.get(f"lid_{side.lower()}")
+        if lid is not None:
+            weights[:, spoken.index(f"eyeBlink{side}")] = lid
+    return np.clip(weights, 0.0, 1.0)
