@@ -138,9 +138,7 @@ def act(base: Ground, shape: str | None = None) -> LandmarkTrack:
     points = np.empty(seen.shape, dtype=np.float32)
     points[..., :2] = seen[..., :2] / seen[..., 2:] * FOCAL + [320.0, 240.0]
     points[..., 2] = (seen[..., 2] - 560.0) * FOCAL / 560.0
-    return LandmarkTrack(
-        np.arange(FRAMES) / 30.0, points, np.zeros(FRAMES, dtype=bool), (640, 480)
-    )
+    return LandmarkTrack(np.arange(FRAMES) / 30.0, points, np.zeros(FRAMES, dtype=bool), (640, 480))
 
 
 def read(track: LandmarkTrack, base: Ground):
@@ -181,6 +179,20 @@ def test_a_blink_of_one_eye_is_a_closure_of_that_eye(base):
     assert performance.scalars["lid_left"].max() > 0.9
     assert performance.scalars["lid_right"].max() < 0.3
     assert np.abs(performance.scalars["lid_left"][REST]).max() < 0.05
+
+
+def test_a_frame_read_live_equals_the_frame_in_its_take(base):
+    track = act(base, "smile")
+    known = calibrate(track, base)
+    whole = perform(track, known, base, "made")
+    for frame in (0, 31, 70):
+        span = slice(frame, frame + 1)
+        one = LandmarkTrack(track.time[span], track.points[span], track.lost[span], track.size)
+        alone = perform(one, known, base, "made")
+        np.testing.assert_allclose(alone.motion[0], whole.motion[frame], atol=1e-6)
+        np.testing.assert_allclose(alone.rotation[0], whole.rotation[frame], atol=1e-6)
+        np.testing.assert_allclose(alone.gaze[0], whole.gaze[frame], atol=1e-6)
+        np.testing.assert_allclose(alone.translation[0], whole.translation[frame], atol=1e-6)
 
 
 def test_frames_without_a_face_are_lost_and_repeat_the_last(base):
