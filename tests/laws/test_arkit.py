@@ -49,7 +49,8 @@ def test_a_take_that_speaks_arkit_passes_unchanged():
 def test_no_weights_are_no_motion():
     performance = motion_from_shapes(spoken(np.zeros((3, 52))), generic_face())
     assert (performance.motion == 0.0).all()
-    assert (arkit_weights(replace(performance, vocabulary=""), generic_face()) == 0.0).all()
+    weights = arkit_weights(replace(performance, vocabulary=""), generic_face())
+    np.testing.assert_allclose(weights, 0.0, atol=1e-9)
 
 
 @pytest.mark.parametrize(
