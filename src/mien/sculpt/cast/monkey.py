@@ -1,0 +1,206 @@
+"""The monkey: muzzle, brow ridge, round ears; all mouth."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mien.sculpt.brush import bump
+from mien.sculpt.bust import bust
+from mien.sculpt.cast.human import ball_eyes, pair
+from mien.sculpt.colour import (
+    linear,
+    mix,
+    paint_lid_edges,
+    paint_lips,
+    paint_mouth,
+    paint_nostrils,
+)
+from mien.sculpt.ears import EarShape, ear
+from mien.sculpt.expression import Expression
+from mien.sculpt.expressions import EXAMPLES, KEYS
+from mien.sculpt.eyes import Iris
+from mien.sculpt.hair import Scalp, cap, curve, lock, shaded
+from mien.sculpt.head import Head
+from mien.sculpt.proportions import (
+    Brush,
+    EyeShape,
+    HairLine,
+    HeadShape,
+    MouthShape,
+    Proportions,
+    Temper,
+)
+from mien.sculpt.sculpture import Sculpture
+from mien.sculpt.skin import labels
+from mien.sculpt.solid import Form, Solid, merged
+
+Array = NDArray[np.float64]
+
+_FUR, _FACE = (0.33, 0.19, 0.115), (0.86, 0.64, 0.47)
+_DARK, _LIGHT = (0.24, 0.13, 0.08), (0.50, 0.30, 0.18)
+
+_PROPORTIONS = Proportions(
+    HeadShape(
+        cranium=(1.0, 0.96, 1.0),
+        crown=4.0,
+        face_width=1.05,
+        jaw_width=1.02,
+        midface=0.90,
+        lower_face=0.88,
+        chin_up=-2,
+        chin_forward=16,
+        nose=(1.12, 0.58, 0.38),
+        nose_up=3,
+        neck=0.72,
+        brushes=(
+            Brush((0, -36, 58), (40, 30, 52), (0.0, 1, 20)),
+            Brush((24, -34, 58), (24, 24, 40), (6, 0, 8)),
+            Brush((22, 50, 46), (26, 11, 34), (0, 1, 8)),
+            Brush((0, 44, 50), (14, 10, 30), (0, 0, -1)),
+        ),
+    ),
+    EyeShape(
+        aside=25.5,
+        height=26,
+        depth=31,
+        radius=19.5,
+        half_width=19.3,
+        upper=11.5,
+        lower=9.5,
+        tilt=0.3,
+        lid_turn=6.0,
+        offset=2.5,
+    ),
+    MouthShape(
+        half_width=36,
+        height=-37,
+        depth=84,
+        corner_depth=60,
+        upper=4.2,
+        lower=5.0,
+        fullness=2.0,
+        bend=7.0,
+        tooth_scale=1.28,
+        tooth_back=14.5,
+    ),
+    HairLine(brow_up=5.5, brow_width=2.9, brow_height=1.8, brow_between=0.45, lash=1.3),
+    Temper(brows=1.1, corners_aside=0.45, lip_thickness=2.2),
+)
+
+
+def _bare(head: Head) -> Array:
+    """1 on the hairless face: two rounds about the eyes and one about the mouth."""
+    skin, eye, mouth = head.skin, head.proportions.eye, head.proportions.mouth
+    aside = np.abs(skin[:, 0])
+    eyes = np.hypot((aside - eye.aside - 2) / 34, (skin[:, 1] - eye.height - 3) / 35)
+    muzzle = np.hypot(aside / 54, (skin[:, 1] - mouth.height) / 42)
+    rim = np.where(skin[:, 2] < -2, 2.0, np.minimum(eyes, muzzle))
+    amount = np.clip((1.07 - rim) / 0.24, 0, 1)
+    return np.asarray(amount**2 * (3 - 2 * amount) * (labels().mask > 0.5))
+
+
+def _paint(head: Head) -> Array:
+    skin, eye = head.skin, head.proportions.eye
+    colours = np.tile(linear(_FUR), (len(skin), 1))
+    bare = _bare(head)
+    colours = mix(colours, _FACE, bare)
+    cheek = bump(skin, (eye.aside + 8, eye.height - 34, 50), (18, 12, 40))
+    colours = mix(colours, (0.80, 0.42, 0.34), 0.30 * cheek * bare)
+    colours = mix(colours, (0.62, 0.36, 0.27), 0.55 * labels().eye_area * bare)
+    colours = paint_lips(colours, (0.66, 0.36, 0.30), 0.75)
+    colours = paint_mouth(colours, head)
+    colours = paint_lid_edges(colours, (0.45, 0.22, 0.18))
+    return paint_nostrils(colours, head, (4.5, 3.0, 8.0), (0.20, 0.09, 0.07), 0.9)
+
+
+def _tuft(scalp: Scalp) -> list[Form]:
+    """A forelock on the crown and two tufts on each cheek."""
+    random = np.random.default_rng(3)
+    forms = []
+    front = ((-34, 0.8), (-17, 1.0), (0, 1.15), (17, 1.0), (34, 0.8))
+    back = ((-26, 0.75), (-8, 0.9), (9, 0.9), (27, 0.75))
+    for row, pitch in ((front, 60.0), (back, 72.0)):
+        for yaw, size in row:
+            h = 15 * size
+            jitter = random.normal(0, (4, 5, 6))
+            course = [
+                (yaw, pitch, 2),
+                (0.95 * yaw, pitch + 1, 0.8 * h),
+                (0.8 * yaw + jitter[0], pitch - 3, 1.4 * h),
+                (0.6 * yaw + jitter[1], pitch - 10, 1.75 * h),
+                (0.5 * yaw + jitter[2], pitch - 17, 1.7 * h),
+            ]
+            forms.append(lock(scalp, course, 12, 9, rows=12, widest=0.2, start=0.8, end=0.05))
+    for side in (1, -1):
+        for number, (yaw, pitch) in enumerate(((64, -26), (66, -36), (72, -18))):
+            course = [
+                (side * (yaw + 14), pitch + 6, 2),
+                (side * (yaw + 6), pitch - 2, 9),
+                (side * (yaw + 2), pitch - 12, 15 - number),
+                (side * (yaw + 4), pitch - 22, 19 - number),
+            ]
+            forms.append(lock(scalp, course, 9, 6, rows=9, widest=0.3, start=0.7, end=0.05))
+    return forms
+
+
+def _fur(neutral: Head) -> Solid:
+    scalp = Scalp(neutral.skin)
+    edge = curve(
+        (0, 88), (14, 92), (30, 86), (50, 80), (62, 86), (75, 100), (90, 116), (110, 128),
+        (130, 132), (155, 128), (180, 126),
+    )  # fmt: skip
+    hood, ridge = cap(
+        scalp,
+        edge,
+        lambda azimuth, along: 7.5 + 2 * np.exp(-(((along - 0.6) / 0.25) ** 2)),
+        ridge=0.38,
+        ridges=41,
+        swirl=0.2,
+        zigzag=2.2,
+        teeth=17,
+        around=136,
+        rows=18,
+    )
+    tufts = merged(_tuft(scalp))
+    colours = np.concatenate([shaded(hood, _DARK, _LIGHT, ridge), shaded(tufts, _DARK, _LIGHT)])
+    return Solid("hair", "fur", *merged([hood, tufts]), colours)
+
+
+def _dress(neutral: Head) -> Sequence[Solid]:
+    shape = EarShape(height=27, width=25, root=(75, 20, -26), flare=62, tilt=0, round=True)
+    return (
+        *pair(ear(shape, (0.42, 0.25, 0.16), (0.84, 0.60, 0.46))),
+        _fur(neutral),
+        bust((0.86, 0.66, 0.22), (0.93, 0.78, 0.36)),
+    )
+
+
+_KEYS: Mapping[str, Expression] = {
+    **KEYS,
+    # The muzzle stretches over the teeth: lips that go back would let them through.
+    "smile": replace(KEYS["smile"], upper_lip=(0, 0.7, 0.6), lower_lip=(0, 0.5, 1.0)),
+    "pressed": replace(
+        KEYS["pressed"],
+        upper_lip=(0, -0.3, -0.2),
+        lower_lip=(0, 0.2, 0.2),
+        upper_thick=0.75,
+        lower_thick=0.75,
+    ),
+    "disgust": replace(KEYS["disgust"], upper_lip=(0, 4.8, 2.0), jaw=3.0),
+}
+
+MONKEY = Sculpture(
+    name="monkey",
+    proportions=_PROPORTIONS,
+    paint=_paint,
+    eyes=ball_eyes(Iris((0.20, 0.09, 0.04), (0.60, 0.33, 0.12), 0.60, 0.30)),
+    dress=_dress,
+    keys=_KEYS,
+    examples=EXAMPLES,
+    brow=(0.20, 0.10, 0.06),
+    lash=(0.10, 0.05, 0.04),
+)

@@ -1,0 +1,155 @@
+"""The woman: fine-boned, brown, with large eyes and a bob; quick to show what she feels."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from mien.sculpt.bust import bust
+from mien.sculpt.cast.human import ball_eyes, pair
+from mien.sculpt.colour import paint_skin
+from mien.sculpt.ears import EarShape, ear
+from mien.sculpt.expressions import EXAMPLES, KEYS
+from mien.sculpt.eyes import Iris
+from mien.sculpt.hair import Scalp, cap, curve, lock, shaded
+from mien.sculpt.head import Head
+from mien.sculpt.proportions import Brush, EyeShape, HairLine, HeadShape, MouthShape, Proportions
+from mien.sculpt.sculpture import Sculpture
+from mien.sculpt.solid import Form, Solid, merged
+
+_SKIN = (0.72, 0.47, 0.34)
+_DARK, _LIGHT = (0.075, 0.035, 0.03), (0.30, 0.13, 0.085)
+_PARTING = -16.0
+
+_PROPORTIONS = Proportions(
+    HeadShape(
+        cranium=(1.02, 1.04, 1.0),
+        face_width=1.03,
+        jaw_width=0.90,
+        midface=0.82,
+        lower_face=0.91,
+        chin_up=-5,
+        chin_forward=1,
+        cheek=3.5,
+        nose=(0.72, 0.72, 0.68),
+        nose_up=4,
+        nostril=0.6,
+        neck=0.73,
+        brushes=(Brush((34, 4, 40), (24, 9, 24), (0, 0, 4.5)),),
+    ),
+    EyeShape(
+        aside=33.5,
+        height=21,
+        depth=24.5,
+        radius=20.5,
+        half_width=21,
+        upper=10.2,
+        lower=8.6,
+        tilt=2.0,
+        offset=2.1,
+    ),
+    MouthShape(
+        half_width=22.5,
+        height=-31,
+        depth=57,
+        corner_depth=45.5,
+        upper=6.2,
+        lower=7.4,
+        fullness=3.0,
+        bend=2.6,
+    ),
+    HairLine(brow_up=0.5, brow_width=2.6, brow_height=1.3, lash=5.2, lash_width=1.5),
+)
+
+
+def _curtain(scalp: Scalp) -> list[Form]:
+    """Sides and back, from the parting down to the jaw."""
+    forms = []
+    for side in (1, -1):
+        for yaw in np.linspace(66, 176, 9):
+            tip = 0.98 * yaw + (0 if yaw > 90 else 4)
+            low = -58 if yaw < 150 else -60
+            course = [
+                (_PARTING + side * (yaw - _PARTING * side) * 0.45, 66, 11),
+                (side * yaw * 0.92, 38, 16),
+                (side * yaw, 8, 19),
+                (side * (yaw + 2), -22, 21 + (4 if yaw < 110 else 0)),
+                (side * (tip - 3), -44, 24),
+                (side * (tip - 12), low, 12),
+            ]
+            forms.append(lock(scalp, course, 15.5, 8.5, widest=0.55, start=0.4, end=0.12, rows=15))
+    return forms
+
+
+def _fringe(scalp: Scalp) -> list[Form]:
+    """Swept from the parting to either side, each lock 2 mm above its neighbour."""
+    forms = []
+    for number in range(4):
+        q, up = number / 3, 2.2 * (3 - number)
+        course = [
+            (_PARTING + 6 - 3 * number, 70 - 4 * number, 7 + up),
+            (_PARTING + 18 + 20 * q, 54 - 4 * q, 17 + up),
+            (20 + 38 * q, 33 - 6 * q, 17 + up),
+            (46 + 30 * q, 13 - 9 * q, 15.5 + up),
+            (64 + 22 * q, -14 - 8 * q, 14 + 0.7 * up),
+            (68 + 18 * q, -42 - 6 * q, 12 + 0.5 * up),
+        ]
+        forms.append(lock(scalp, course, 15.5, 7, widest=0.42, start=0.35, end=0.06, rows=18))
+    for number in range(3):
+        q, up = number / 2, 2.2 * (2 - number)
+        course = [
+            (_PARTING - 6 - 2 * number, 70 - 4 * number, 7 + up),
+            (_PARTING - 18 - 14 * q, 52, 16 + up),
+            (-46 - 18 * q, 30 - 4 * q, 15.5 + up),
+            (-63 - 18 * q, 8, 14.5 + up),
+            (-72 - 14 * q, -16, 13.5 + 0.7 * up),
+            (-71 - 12 * q, -40, 11 + 0.5 * up),
+        ]
+        forms.append(lock(scalp, course, 15.5, 7, widest=0.42, start=0.35, end=0.06, rows=18))
+    return forms
+
+
+def _hair(neutral: Head) -> Solid:
+    scalp = Scalp(neutral.skin)
+    edge = curve((0, 80), (30, 80), (52, 80), (75, 90), (100, 106), (130, 118), (180, 122))
+    under, ridge = cap(
+        scalp,
+        edge,
+        lambda azimuth, along: 11 + 4 * np.exp(-((azimuth / 70) ** 2)),
+        ridge=0.6,
+        ridges=30,
+        swirl=0.1,
+        rows=14,
+    )
+    locks = _curtain(scalp) + _fringe(scalp)
+    colours = [shaded(under, _DARK, _LIGHT, ridge), *(shaded(f, _DARK, _LIGHT) for f in locks)]
+    return Solid("hair", "hair", *merged([under, *locks]), np.concatenate(colours))
+
+
+def _dress(neutral: Head) -> Sequence[Solid]:
+    return (
+        *pair(ear(EarShape(height=25, width=14.5, root=(69, 9, -31)), _SKIN, (0.62, 0.28, 0.22))),
+        _hair(neutral),
+        bust((0.78, 0.30, 0.22), (0.85, 0.38, 0.28)),
+    )
+
+
+WOMAN = Sculpture(
+    name="woman",
+    proportions=_PROPORTIONS,
+    paint=lambda head: paint_skin(
+        head,
+        _SKIN,
+        (0.78, 0.26, 0.20),
+        (0.70, 0.20, 0.22),
+        lids=(0.48, 0.24, 0.20),
+        blush_amount=0.75,
+    ),
+    eyes=ball_eyes(Iris((0.22, 0.10, 0.05), (0.55, 0.30, 0.12), 0.56, 0.26)),
+    dress=_dress,
+    keys=KEYS,
+    examples=EXAMPLES,
+    brow=(0.10, 0.05, 0.04),
+    lash=(0.05, 0.03, 0.03),
+)

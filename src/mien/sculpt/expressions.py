@@ -1,0 +1,291 @@
+"""The key models, as an animator would note them down. Characters change them to their temper."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from mien.sculpt.expression import Expression
+
+E = Expression
+
+EXAMPLES = (
+    "smile",
+    "sad",
+    "anger",
+    "surprise",
+    "disgust",
+    "fear",
+    "blink_left",
+    "blink_right",
+    "brows_up",
+    "jaw_open",
+    "pucker",
+    "wide",
+    "pressed",
+)
+"""The thirteen of [B], which every character has."""
+
+_BLINK = E(blink=1, brow_inner=(0, -0.6, 0), brow_middle=(0, -0.8, 0), brow_outer=(0, -0.6, 0))
+
+KEYS: Mapping[str, Expression] = {
+    # Lips stay shut: a smile that opens the mouth cannot follow a shut one.
+    "smile": E(
+        corner=(9.5, 9.0, -5.0),
+        upper_lip=(0, 0.7, -1.0),
+        lower_lip=(0, 0.5, -0.6),
+        upper_quarter=(0, 0.1, 0),
+        lower_quarter=(0, -0.4, 0),
+        upper_thick=0.86,
+        lower_thick=0.86,
+        cheek=(2.5, 5.0, 5.0),
+        fold=1.4,
+        squint=0.40,
+        blink=0.05,
+        brow_inner=(0, 1.0, 0),
+        brow_middle=(0, 1.8, 0),
+        brow_outer=(0, 1.4, 0),
+    ),
+    "sad": E(
+        lid_tilt=2.4,
+        blink=0.22,
+        squint=0.08,
+        brow_inner=(-2.5, 8.5, 1.0),
+        brow_middle=(0, 1.5, 0),
+        brow_outer=(0, -4.5, 0),
+        corner=(-1.0, -7.5, -1.0),
+        upper_lip=(0, 0.9, 0),
+        lower_lip=(0, 1.2, 1.4),
+        upper_thick=0.95,
+        lower_thick=0.95,
+        chin=4.0,
+    ),
+    "anger": E(
+        lid_tilt=-2.6,
+        blink=0.12,
+        squint=0.38,
+        brow_inner=(-4.5, -8.5, 2.5),
+        brow_middle=(-2.5, -3.5, 1.0),
+        brow_outer=(0, 3.0, 0),
+        corner=(1.0, -4.0, -1.0),
+        upper_lip=(0, 1.2, 1.0),
+        lower_lip=(0, 1.4, 1.2),
+        upper_quarter=(0, 0.8, 0),
+        lower_quarter=(0, 0.6, 0),
+        upper_thick=0.80,
+        lower_thick=0.80,
+        nose=3.2,
+        chin=2.0,
+        cheek=(0, 1.5, 1.0),
+    ),
+    "surprise": E(
+        jaw=15,
+        narrow=0.16,
+        pucker=1.4,
+        upper_lip=(0, 0.6, 0),
+        corner=(-2.0, 0.6, 0),
+        lower_quarter=(0, -1.6, 0),
+        upper_quarter=(0, 1.2, 0),
+        upper_thick=1.28,
+        lower_thick=1.28,
+        brow_inner=(0, 8.0, 0),
+        brow_middle=(0, 10.0, 0),
+        brow_outer=(0, 7.5, 0),
+        blink=-0.36,
+        squint=-0.25,
+    ),
+    "disgust": E(
+        jaw=2.0,
+        lid_tilt=-1.2,
+        blink=0.2,
+        squint=0.55,
+        nose=5.0,
+        upper_lip=(0, 4.2, 1.5),
+        upper_quarter=(0, 3.4, 0),
+        lower_lip=(0, 0.4, 1.0),
+        corner=(1.0, -1.5, -1.0),
+        cheek=(1.0, 5.0, 4.0),
+        fold=1.6,
+        brow_inner=(-3.0, -5.5, 2.0),
+        brow_middle=(-1.0, -2.0, 0),
+    ),
+    "fear": E(
+        jaw=6.5,
+        corner=(6.5, -3.5, -4.0),
+        upper_lip=(0, 0.8, 0),
+        lower_lip=(0, -1.0, 0),
+        lower_quarter=(0, -2.6, 0),
+        upper_thick=0.95,
+        lower_thick=0.9,
+        brow_inner=(-3.0, 9.0, 1.0),
+        brow_middle=(0, 6.5, 0),
+        brow_outer=(0, 0.5, 0),
+        lid_tilt=1.4,
+        blink=-0.32,
+        squint=-0.05,
+    ),
+    "blink_left": replace(_BLINK, right=0),
+    "blink_right": replace(_BLINK, left=0),
+    "brows_up": E(brow_inner=(0, 8.5, 0), brow_middle=(0, 10.5, 0), brow_outer=(0, 8.0, 0)),
+    "jaw_open": E(jaw=20, lower_quarter=(0, -2.0, 0), upper_thick=1.06, lower_thick=1.1),
+    "pucker": E(
+        narrow=0.42,
+        pucker=7.5,
+        corner=(0, 0, 3.0),
+        upper_thick=1.45,
+        lower_thick=1.45,
+        cheek=(-2.5, 0, -1.5),
+    ),
+    "wide": E(
+        jaw=4.0,
+        corner=(8.5, 1.0, -5.5),
+        upper_lip=(0, 1.4, -1.0),
+        upper_quarter=(0, 1.0, 0),
+        lower_lip=(0, -0.8, -1.0),
+        lower_quarter=(0, -2.2, 0),
+        upper_thick=0.88,
+        lower_thick=0.88,
+        cheek=(1.5, 2.0, 2.0),
+        fold=0.8,
+    ),
+    "pressed": E(
+        corner=(2.0, 0.4, -1.5),
+        upper_lip=(0, -0.3, -1.4),
+        lower_lip=(0, 0.2, -1.4),
+        upper_thick=0.52,
+        lower_thick=0.52,
+        chin=2.0,
+    ),
+    "laugh": E(
+        jaw=12,
+        corner=(9.5, 9.5, -5.0),
+        upper_lip=(0, 3.0, -1.0),
+        upper_quarter=(0, 1.6, -0.6),
+        lower_quarter=(0, -3.0, 0),
+        upper_thick=0.84,
+        lower_thick=0.9,
+        cheek=(2.5, 6.0, 6.0),
+        fold=1.8,
+        squint=0.6,
+        blink=0.2,
+        brow_inner=(0, 1.6, 0),
+        brow_middle=(0, 2.8, 0),
+        brow_outer=(0, 2.4, 0),
+    ),
+}
+"""The thirteen and a laugh."""
+
+_SMILE = E(
+    corner=(8.0, 8.0, -4.5),
+    upper_lip=(0, 0.5, -0.8),
+    lower_lip=(0, 0.6, -0.5),
+    upper_thick=0.88,
+    lower_thick=0.88,
+    cheek=(2.0, 3.0, 3.5),
+    fold=1.2,
+)
+_FROWN = E(corner=(0, -8.0, -1.0), upper_lip=(0, -0.3, 0), lower_lip=(0, 0, 0), chin=2.0)
+_BROWS_DOWN = E(
+    brow_inner=(-4.0, -7.0, 2.0), brow_middle=(-2.0, -5.5, 1.0), brow_outer=(0, -2.5, 0)
+)
+_INNER_UP = E(brow_inner=(-1.5, 8.5, 0.5), brow_middle=(0, 2.5, 0))
+_OUTER_UP = E(brow_middle=(0, 5.5, 0), brow_outer=(0, 8.0, 0))
+_UPPER_UP = E(upper_lip=(0, 4.5, 1.0), upper_quarter=(0, 3.4, 0), nose=1.2, fold=0.8)
+_LOWER_DOWN = E(lower_lip=(0, -4.5, 0.5), lower_quarter=(0, -3.4, 0))
+_SNEER = E(
+    nose=5.0,
+    upper_lip=(0, 1.8, 0.8),
+    upper_quarter=(0, 1.6, 0),
+    cheek=(0.5, 2.5, 2.0),
+    brow_inner=(-2.0, -3.0, 1.0),
+)
+_FUNNEL = E(
+    jaw=3.0,
+    narrow=0.26,
+    pucker=6.0,
+    upper_lip=(0, 2.4, 0),
+    lower_lip=(0, -3.2, 0),
+    upper_quarter=(0, 2.0, 0),
+    lower_quarter=(0, -2.4, 0),
+    upper_thick=1.3,
+    lower_thick=1.3,
+)
+_MOUTH_LEFT = E(lips_aside=7.0)
+_SQUINT = E(squint=0.75, blink=0.06, cheek=(0, 2.5, 2.0))
+_PUFF = E(puff=9.0, upper_lip=(0, 0, 1.2), lower_lip=(0, 0, 1.2))
+
+UNITS: Mapping[str, Expression] = {
+    "brows_down": _BROWS_DOWN,
+    "brow_inner_up": _INNER_UP,
+    "upper_lip_up": _UPPER_UP,
+    "lower_lip_down": _LOWER_DOWN,
+    "mouth_left": _MOUTH_LEFT,
+    "mouth_right": _MOUTH_LEFT.mirrored(),
+    "smile_left": _SMILE.sides(1, 0),
+    "smile_right": _SMILE.sides(0, 1),
+    "frown": _FROWN,
+    "funnel": _FUNNEL,
+    "nose_wrinkle": _SNEER,
+    "squint": _SQUINT,
+    "cheek_puff": _PUFF,
+}
+"""Single movements: with KEYS they are what the capture fits to a performer."""
+
+_SIDED: Mapping[str, Expression] = {
+    "eyeBlink": E(blink=1),
+    "eyeLookDown": E(blink=0.38, squint=-0.25),
+    "eyeLookIn": E(lid_aside=-1.4),
+    "eyeLookOut": E(lid_aside=1.4),
+    "eyeLookUp": E(blink=-0.22, squint=0.18),
+    "eyeSquint": E(squint=0.8, blink=0.06),
+    "eyeWide": E(blink=-0.36, squint=-0.25),
+    "mouthSmile": _SMILE,
+    "mouthFrown": _FROWN,
+    "mouthDimple": E(corner=(3.0, 0.8, -6.0), fold=1.0),
+    "mouthStretch": E(corner=(8.5, -2.0, -4.5), lower_quarter=(0, -0.8, 0), fold=0.6),
+    "mouthPress": E(
+        upper_thick=0.62,
+        lower_thick=0.62,
+        upper_lip=(0, -0.2, -1.0),
+        lower_lip=(0, 0.4, -1.0),
+        corner=(1.0, 0.6, -1.0),
+    ),
+    "mouthLowerDown": _LOWER_DOWN,
+    "mouthUpperUp": _UPPER_UP,
+    "browDown": _BROWS_DOWN,
+    "browOuterUp": _OUTER_UP,
+    "cheekSquint": E(cheek=(1.5, 5.0, 4.5), squint=0.3, fold=0.6),
+    "noseSneer": _SNEER,
+}
+
+ARKIT: Mapping[str, Expression] = {
+    **{
+        name + side: expression.sides(*gain)
+        for name, expression in _SIDED.items()
+        for side, gain in (("Left", (1.0, 0.0)), ("Right", (0.0, 1.0)))
+    },
+    "jawForward": E(jaw_forward=6.0),
+    "jawLeft": E(jaw_aside=7.0),
+    "jawRight": E(jaw_aside=-7.0),
+    "jawOpen": KEYS["jaw_open"],
+    "mouthClose": replace(KEYS["jaw_open"], close=1.0),
+    "mouthFunnel": _FUNNEL,
+    "mouthPucker": KEYS["pucker"],
+    "mouthLeft": _MOUTH_LEFT,
+    "mouthRight": _MOUTH_LEFT.mirrored(),
+    "mouthRollLower": E(lower_thick=0.35, lower_lip=(0, 1.0, -4.0), lower_quarter=(0, 0.4, -1.5)),
+    "mouthRollUpper": E(upper_thick=0.35, upper_lip=(0, -0.6, -4.0), upper_quarter=(0, 0, -1.5)),
+    "mouthShrugLower": E(
+        lower_lip=(0, 2.6, 2.0), upper_lip=(0, 2.4, 1.0), lower_thick=1.2, chin=5.0
+    ),
+    "mouthShrugUpper": E(upper_lip=(0, 2.6, 2.0), upper_quarter=(0, 1.4, 0), upper_thick=1.15),
+    "browInnerUp": _INNER_UP,
+    "cheekPuff": _PUFF,
+    "tongueOut": E(
+        tongue=30.0, jaw=5.0, lower_lip=(0, -1.5, 0), upper_lip=(0, 0.8, 0), lower_thick=0.9
+    ),
+}
+"""Apple's 52, for faces that are driven under those names; each adds to the others."""
+
+STARTS: Mapping[str, Expression] = {"mouthClose": KEYS["jaw_open"]}
+"""Key models that are the way from another pose: mouthClose goes with as much of jawOpen."""

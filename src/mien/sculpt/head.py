@@ -1,0 +1,74 @@
+"""A head in one pose: cage, skin and what it does."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mien.sculpt.cage import cage
+from mien.sculpt.expression import Expression
+from mien.sculpt.neutral import neutral_cage
+from mien.sculpt.pose import posed_cage
+from mien.sculpt.proportions import Proportions
+from mien.sculpt.skin import skin_of
+from mien.sculpt.solid import normals
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Head:
+    """Sculpting frame, mm."""
+
+    proportions: Proportions
+    expression: Expression
+    cage: Array
+    """(count, 3)"""
+    skin: Array
+    """(fine, 3)"""
+    normals: Array
+    """(fine, 3)"""
+
+    def mirrored(self) -> Head:
+        """The same head in a looking glass."""
+        mesh = cage()
+        flip = np.array([-1, 1, 1])
+        return replace(
+            self,
+            expression=self.expression.mirrored(),
+            cage=self.cage[mesh.mirror] * flip,
+            skin=self.skin[mesh.fine_mirror] * flip,
+            normals=self.normals[mesh.fine_mirror] * flip,
+        )
+
+    def posed(self, expression: Expression) -> Head:
+        """This neutral head with ``expression`` on it. Poses of the right side are mirror images
+        of those of the left, to the last bit."""
+        if expression.is_right_sided():
+            return self.posed(expression.mirrored()).mirrored()
+        places = posed_cage(self.cage, self.proportions, expression)
+        head = _head(self.proportions, expression, places)
+        return _symmetrised(head) if expression.is_symmetric() else head
+
+
+def neutral_head(proportions: Proportions) -> Head:
+    """The head at rest, its own mirror image."""
+    return _symmetrised(_head(proportions, Expression(), neutral_cage(proportions)))
+
+
+def _head(proportions: Proportions, expression: Expression, places: Array) -> Head:
+    skin = skin_of(places, proportions.eye)
+    triangles = cage().subdivision.triangles
+    return Head(proportions, expression, places, skin, normals(skin, triangles))
+
+
+def _symmetrised(head: Head) -> Head:
+    other = head.mirrored()
+    return replace(
+        head,
+        cage=0.5 * (head.cage + other.cage),
+        skin=0.5 * (head.skin + other.skin),
+        normals=0.5 * (head.normals + other.normals),
+    )
