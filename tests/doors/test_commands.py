@@ -1,0 +1,47 @@
+"""The commands that only tell."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+from pathlib import Path
+
+from terminal import MIEN, mien
+
+
+def test_help_names_every_command(tmp_path: Path) -> None:
+    done = mien("--help", cwd=tmp_path)
+    assert done.returncode == 0
+    for command in ("animate", "capture", "character", "demo", "doctor"):
+        assert command in done.stdout
+    assert "--gain" in mien("animate", "--help", cwd=tmp_path).stdout
+
+
+def test_characters_are_listed(tmp_path: Path) -> None:
+    done = mien("character", "list", "--json", cwd=tmp_path)
+    told = json.loads(done.stdout)["characters"]
+    assert [character["name"] for character in told] == ["man", "woman", "monkey", "toy"]
+    assert all("smile" in character["key_models"] for character in told)
+    assert mien("character", "list", cwd=tmp_path).stdout.count("\n") == 4
+
+
+def test_doctor_tells_what_works(tmp_path: Path) -> None:
+    done = mien("doctor", "--json", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    told = json.loads(done.stdout)
+    checks = {check["name"]: check["works"] for check in told["checks"]}
+    assert checks["video"]
+    assert checks["characters"]
+    assert checks["landmarks"] == (told["packages"]["mediapipe"] is not None)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_reader_who_leaves_early_is_no_error(tmp_path: Path) -> None:
+    running = subprocess.Popen(
+        [MIEN, "character", "list"], cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    )
+    assert running.stdout is not None
+    assert running.stderr is not None
+    running.stdout.close()
+    assert running.stderr.read() == b""
+    assert running.wait(timeout=60) == 0
