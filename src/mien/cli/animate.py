@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mien.cli.capture import (
-    CUT_OPTIONS,
+    TAKES,
     add_cut_options,
     describe,
-    follow,
+    performance_of,
     summarize,
     take_name,
 )
@@ -29,9 +29,7 @@ PREVIEW = "preview.mp4"
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "take", metavar="TAKE", help="a video, a folder of images, camera:0 (with --end), or .mien"
-    )
+    parser.add_argument("take", metavar="TAKE", help=TAKES)
     add_cut_options(parser)
     add_acting_options(parser, None)
 
@@ -85,7 +83,7 @@ def run(options: argparse.Namespace) -> None:
     characters = [load_character(name) for name in options.characters or CHARACTERS]
     plan = _plan(options, [character.name for character in characters])
     with results(plan.folder) as claim:
-        performance = _performance(options)
+        performance = performance_of(options)
         acts: list[tuple[Character, Curves]] = []
         written: list[Path] = []
         for character, files in zip(characters, plan.files, strict=True):
@@ -144,19 +142,6 @@ def _plan(options: argparse.Namespace, names: list[str]) -> Plan:
             "or name a folder"
         )
     return Plan(output.parent, ((output.name,),), None)
-
-
-def _performance(options: argparse.Namespace) -> Performance:
-    if Path(options.take).suffix.lower() != ".mien":
-        return follow(options)
-    from mien.formats.mien_file import read_performance
-
-    given = [name for name in CUT_OPTIONS if getattr(options, name)]
-    if given:
-        raise InputError(
-            f"--{given[0]}: {options.take} is captured already; give it to 'mien capture'"
-        )
-    return read_performance(Path(options.take))
 
 
 def _act(options: argparse.Namespace, performance: Performance, character: Character) -> Curves:

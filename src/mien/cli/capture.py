@@ -1,4 +1,4 @@
-"""Read what a recorded face did, into a .mien file."""
+"""Read what a recorded face did, into a .mien file or a Live Link Face .csv."""
 
 from __future__ import annotations
 
@@ -14,21 +14,20 @@ from mien.errors import InputError
 if TYPE_CHECKING:
     from mien.performance.performance import Performance
 
+TAKES = "a video, a folder of images, camera:0 (with --end), a .mien file or a Live Link Face .csv"
 CUT_OPTIONS = ("start", "end", "mirror", "neutral", "focal")
 """Options that say how a recording is looked at."""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "take", metavar="TAKE", help="a video, a folder of images, or camera:0 (with --end)"
-    )
+    parser.add_argument("take", metavar="TAKE", help=TAKES)
     add_cut_options(parser)
     parser.add_argument(
         "-o",
         "--output",
         type=Path,
         metavar="FILE",
-        help="the .mien file (default: called as TAKE, in this folder)",
+        help="a .mien or .csv file (default: TAKE.mien in this folder)",
     )
 
 
@@ -64,14 +63,14 @@ def add_cut_options(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    from mien.formats.mien_file import write_performance
+    from mien.recipe import WRITERS, save_performance
 
     output: Path = options.output or Path(f"{take_name(options.take)}.mien")
-    if output.suffix.lower() != ".mien":
-        raise InputError(f"-o {output}: a performance is kept in a .mien file; end its name so")
+    if output.suffix.lower() not in WRITERS:
+        raise InputError(f"-o {output}: a performance is kept as {' or '.join(WRITERS)}")
     with results(output.parent) as claim:
-        performance = follow(options)
-        write_performance(performance, claim(output.name))
+        performance = performance_of(options)
+        save_performance(performance, claim(output.name))
     summary = summarize(performance)
     tell(
         options,
@@ -81,10 +80,15 @@ def run(options: argparse.Namespace) -> None:
     )
 
 
-def follow(options: argparse.Namespace) -> Performance:
-    """Capture the take as the options say."""
-    from mien.recipe import capture
+def performance_of(options: argparse.Namespace) -> Performance:
+    """Capture the take as the options say; one that is captured already is only read."""
+    from mien.recipe import READERS, capture, load_performance
 
+    if Path(options.take).suffix.lower() in READERS:
+        for name in CUT_OPTIONS:
+            if getattr(options, name):
+                raise InputError(f"--{name}: {options.take} was captured before; it stays as it is")
+        return load_performance(options.take)
     remark(options, f"following the face in {options.take}")
     with progress("following the face") as told:
         return capture(

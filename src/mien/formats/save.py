@@ -7,15 +7,27 @@ from pathlib import Path
 
 from mien.errors import InputError
 from mien.face.character import Character
-from mien.formats.glb import write_glb
-from mien.formats.table import write_table
 from mien.performance.curves import Curves
 
+# Each is imported when it is used: ``mien --help`` does not wait for them.
 Saver = Callable[[Path, Character, Curves], None]
 
+
+def _glb(path: Path, character: Character, curves: Curves) -> None:
+    from mien.formats.glb import write_glb
+
+    write_glb(path, character, curves)
+
+
+def _table(path: Path, character: Character, curves: Curves) -> None:
+    from mien.formats.table import write_table
+
+    write_table(path, curves)
+
+
 SAVERS: dict[str, Saver] = {
-    ".glb": write_glb,
-    ".csv": lambda path, character, curves: write_table(path, curves),
+    ".glb": _glb,
+    ".csv": _table,
 }
 
 

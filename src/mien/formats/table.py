@@ -8,12 +8,11 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from mien.errors import FormatError, InputError
 from mien.formats.atomic import whole_file
 from mien.numeric.euler import to_euler
-from mien.numeric.rotation import to_quaternion
+from mien.numeric.rotation import from_quaternion, to_quaternion
 from mien.performance.curves import Curves
 
 Array = NDArray[np.float64]
@@ -90,7 +89,7 @@ def read_table(path: Path) -> Curves:
         names=names,
         time=column["time_s"],
         weights=table[:, len(FIXED) :],
-        rotation=Rotation.from_quat(quaternion).as_matrix(),
+        rotation=from_quaternion(quaternion),
         translation=table[:, 10:13],
         gaze=np.radians(table[:, 13:17]).reshape(-1, 2, 2),
         lost=column["lost"] != 0.0,

@@ -62,6 +62,15 @@ def to_quaternion(rotation: Array) -> Array:
     return np.asarray(chosen / np.linalg.norm(chosen, axis=-1, keepdims=True))
 
 
+def from_quaternion(quaternion: Array) -> Array:
+    """Rotation matrices (..., 3, 3) of quaternions (..., 4) x, y, z, w, of any length but 0."""
+    q = np.asarray(quaternion, dtype=float)
+    q = q / np.linalg.norm(q, axis=-1, keepdims=True)
+    xyz, w = q[..., :3], q[..., 3, None, None]
+    k = cross_matrix(xyz)
+    return np.asarray(np.eye(3) + 2.0 * (w * k + k @ k))
+
+
 def from_gaze(gaze: Array) -> Array:
     """Rotations (..., 3, 3) of (yaw, pitch): yaw about +y (to the subject's left), then pitch
     about the turned -x (up)."""
@@ -74,6 +83,4 @@ def from_gaze(gaze: Array) -> Array:
 
 def angle_between(first: Array, second: Array) -> Array:
     """Angle (...) in radians of the rotation that takes ``first`` to ``second``."""
-    return np.asarray(
-        np.linalg.norm(to_vector(np.swapaxes(first, -1, -2) @ second), axis=-1)
-    )
+    return np.asarray(np.linalg.norm(to_vector(np.swapaxes(first, -1, -2) @ second), axis=-1))
