@@ -82,4 +82,5 @@ def fit(examples: Array, targets: Array, ridge: float, threshold: float) -> Card
 
 def _distances(first: Array, second: Array) -> Array:
     """(F, M) Euclidean distances between rows (F, L) and (M, L)."""
-    return np.asarray(np.linalg.norm(first[:, None] - second[None], axis=-1))
+    apart = first[:, None] - second[None]
+    return np.asarray(np.sqrt(np.einsum("fml,fml->fm", apart, apart)))

@@ -159,14 +159,19 @@ class JointMapper:
         if closure is None or self._lids is None:
             return self._with_blinks.solve(motion, unseen)
         # What the closures tell is taken out of the motion; what is left is squint and stare.
-        blinks = np.tensordot(self._lids.blink.astype(float), self._fields, axes=1)
-        shut = np.tensordot(np.clip(closure, 0.0, 1.0) * self.settings.gain, blinks, axes=1)
-        return self._lids.mix(self._without_blinks.solve(motion - shut, unseen), closure)
+        shut = self.settings.gain * np.clip(closure, 0.0, 1.0) @ self._lids.blink
+        rest = motion - self._move(shut)
+        return self._lids.mix(self._without_blinks.solve(rest, unseen), closure)
+
+    def _move(self, weights: Array) -> Array:
+        """(F, Q, 3) motion of the compared rows at ``weights`` (F, W)."""
+        flat = weights @ self._fields.reshape(len(self._fields), -1)
+        return np.asarray(flat.reshape(len(weights), *self._fields.shape[1:]))
 
     def _residual(self, motion: Array, unseen: Array, weights: Array) -> Array:
         """(F,) mm, root mean square over the points of what was seen and not expressed."""
         count = len(self.rows.points)
-        left = motion[:, :count] - np.tensordot(weights, self._fields[:, :count], axes=1)
+        left = (motion - self._move(weights))[:, :count]
         along = (left * unseen[:, None]).sum(axis=-1)
         return np.asarray(np.sqrt(((left**2).sum(axis=-1) - along**2).clip(0.0).mean(axis=1)))
 

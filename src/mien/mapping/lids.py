@@ -38,9 +38,10 @@ class Lids:
 
     def mix(self, weights: Array, closure: Array) -> Array:
         """Weights (F, W) with the blinks set so that each eye is open by 1 - closure (F, 2) of
-        its neutral opening: never shut further than shut, never opened by a negative blink."""
+        its neutral opening (a negative closure is a stare): never shut further than shut, never
+        opened by a negative blink."""
         mixed = np.where(self.blink.any(axis=0), 0.0, weights)
-        wanted = (1.0 - np.clip(closure, 0.0, 1.0)) * self.opening
+        wanted = (1.0 - np.minimum(closure, 1.0)) * self.opening
         missing = self.opening + mixed @ self.effect.T - wanted
         shuts = -(self.effect * self.blink).sum(axis=1)
         level = np.clip(missing / shuts, 0.0, _MOST)
