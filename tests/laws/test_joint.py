@@ -40,7 +40,8 @@ def test_cardinal_weights_are_one_hot_at_every_example(
 ) -> None:
     wanted = one_of_each(character)
     performance = shown(character, wanted)
-    weights = JointMapper(character, performance, settings).cardinal_key_weights(performance)
+    mapper = JointMapper(character, performance, settings)
+    weights = mapper.by_key(mapper.cardinal_weights(performance))
     assert np.abs(weights - wanted).max() < within
 
 

@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from mien.errors import InputError
 from mien.face.character import Character
-from mien.face.face import Face
 from mien.face.library import generic_face
 from mien.face.pieces import Pieces, region_masks, shares, side_masks
 from mien.mapping.size import scales
@@ -40,6 +39,8 @@ class Examples:
     """(K, P, 3) of each of the character's example key models."""
     pieces: Array
     """(W, P, 3)"""
+    owner: NDArray[np.intp]
+    """(W,) row of ``keys`` each piece belongs to."""
     masks: Array
     """(3, 2, P) share of each region and side in each point."""
 
@@ -77,14 +78,14 @@ def measure_examples(
     ]
     names = [model.keys.names.index(name) for name in character.examples]
     keys = face.points.at(model.keys.displacements[names].astype(float))[:, on_face] * factors
-    masks = _masks(face, own[on_face])
+    regions, sides = region_masks(face, own[on_face]), side_masks(face, own[on_face])
+    rows = [character.examples.index(character.keys.names[key]) for key in pieces.key]
+    owner = np.array(rows, dtype=np.intp)
     if kind == "character":
         fields = face.points.at(pieces.displacements.astype(float))[:, on_face] * factors
     else:
-        example_of = [character.examples.index(character.keys.names[k]) for k in pieces.key]
-        regions, sides = region_masks(face, own[on_face]), side_masks(face, own[on_face])
-        fields = keys[example_of] * shares(pieces.cells, regions, sides)[..., None]
-    return Examples(common, keys, fields, masks)
+        fields = keys[owner] * shares(pieces.cells, regions, sides)[..., None]
+    return Examples(common, keys, fields, owner, regions[:, None] * sides[None])
 
 
 def _named_alike(character: Character) -> Character:
@@ -96,7 +97,3 @@ def _named_alike(character: Character) -> Character:
                 " use examples of the character itself"
             )
     return generic
-
-
-def _masks(face: Face, places: Array) -> Array:
-    return region_masks(face, places)[:, None] * side_masks(face, places)[None]

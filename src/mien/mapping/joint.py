@@ -81,12 +81,9 @@ class JointMapper:
         )
         self.rows = compare(header, self.examples.points)
         names = [character.keys.names[key] for key in self.pieces.key]
-        example = np.array([character.examples.index(name) for name in names], dtype=np.intp)
         self.cardinal = RegionalCardinal(
-            self.examples, self.pieces, example, self.rows, self.settings.linear_ridge
+            self.examples, self.pieces, self.rows, self.settings.linear_ridge
         )
-        count = np.bincount(example, minlength=len(character.examples))
-        self._mean = (example[:, None] == np.arange(len(count))) / np.maximum(count, 1)
         self._fields = self.rows(self.examples.pieces)
         self._lids = find_lids(character, self.pieces)
         every, blink = np.ones(len(names), dtype=bool), np.isin(names, list(BLINKS))
@@ -116,18 +113,22 @@ class JointMapper:
         )
 
     def key_weights(self, performance: Performance) -> Array:
-        """(F, K) weight of each of the character's examples, the mean of its pieces, as the
-        programme has it before lids are mixed."""
+        """(F, K) weight of each of the character's examples as the programme has it before lids
+        are mixed."""
         parts = [
-            self._with_blinks.solve(*self._read(performance, part)) @ self._mean
+            self._with_blinks.solve(*self._read(performance, part))
             for part in _parts(len(performance))
         ]
-        return np.concatenate(parts)
+        return self.by_key(np.concatenate(parts))
 
-    def cardinal_key_weights(self, performance: Performance) -> Array:
-        """(F, K) the same of [B]'s cardinal weights alone, from motion seen in full."""
-        motion, _ = self._read(performance, slice(None))
-        return np.asarray(self.cardinal(motion) @ self._mean)
+    def cardinal_weights(self, performance: Performance) -> Array:
+        """(F, W) [B]'s cardinal weights alone, of motion that was seen in full."""
+        return self.cardinal(self._read(performance, slice(None))[0])
+
+    def by_key(self, weights: Array) -> Array:
+        """(F, K) weights of the character's examples, the means of their pieces' (F, W)."""
+        own = self.examples.owner[:, None] == np.arange(len(self.character.examples))
+        return np.asarray(weights @ (own / np.maximum(own.sum(axis=0), 1)))
 
     def _programme(self, free: NDArray[np.bool_], precision: Array) -> Programme:
         settings = self.settings

@@ -28,14 +28,12 @@ class RegionalCardinal:
         self,
         examples: Examples,
         pieces: Pieces,
-        key_rows: NDArray[np.intp],
         rows: Rows,
         ridge: float,
         threshold: float = 0.0,
     ) -> None:
-        """``key_rows`` (W,) row of ``examples.keys`` each piece belongs to; ``ridge`` and
-        ``threshold`` as in ``cardinal.fit``."""
-        self._count = len(key_rows)
+        """``ridge`` and ``threshold`` as in ``cardinal.fit``."""
+        self._count = len(examples.owner)
         self._regions: list[tuple[Array, CardinalFunctions]] = []
         motion = rows(examples.keys)
         weight = np.sqrt(rows.precision)
@@ -47,7 +45,7 @@ class RegionalCardinal:
             places = motion.reshape(len(motion), -1) * whitener
             shown = np.linalg.norm(places, axis=1) > _NOTHING
             targets = np.zeros((len(motion), self._count))
-            targets[key_rows[driven], np.flatnonzero(driven)] = 1.0
+            targets[examples.owner[driven], np.flatnonzero(driven)] = 1.0
             if not (shown[:, None] & (targets > 0)).any():
                 continue
             functions = fit(places[shown], targets[shown], ridge, threshold)
