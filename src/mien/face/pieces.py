@@ -26,6 +26,12 @@ Cells = NDArray[np.bool_]
 
 _BLEND = 10.0
 """mm over which neighbouring masks fade into each other, on a face with pupils 63 mm apart."""
+_BROW_OVER_EYE = (
+    (("4.1", "4.2"), ("3.11", "3.8")),
+    (("4.3", "4.4"), ("3.13", "3.14")),
+    (("4.5", "4.6"), ("3.7", "3.12")),
+)
+"""Brow and what lies under it, left and right: inner end, arch, outer end."""
 _VISIBLE = 1.2
 """mm on that face: a piece whose skin nowhere moves as far is not worth a morph target, and its
 share goes to the strongest piece. (Not a share of the summed motion: a falling jaw moves so much
@@ -63,18 +69,33 @@ class Pieces:
 def region_masks(face: Face, places: Array) -> Array:
     """(3, N) share of brow, eyes and mouth in each of N ``places`` (N, 3); columns sum to 1.
 
-    The borders are level lines half-way between lid fold and brow, and between lower lid and
-    cheek bone.
+    One border runs half-way between brow and eye from the inner to the outer end, as far as the
+    face has the points; the other is level, half-way between lower lid and cheek bone.
     """
-    fold, brow, lid, cheek = (
-        (face.point(left)[1] + face.point(right)[1]) / 2.0
-        for left, right in (("3.13", "3.14"), ("4.3", "4.4"), ("3.9", "3.10"), ("5.3", "5.4"))
-    )
-    brow_line, cheek_line = (fold + brow) / 2.0, (lid + cheek) / 2.0
+    border = _brow_border(face)
     blend = _BLEND * _scale(face)
-    above = _ramp(places[:, 1] - brow_line, min(blend, 1.6 * abs(brow - brow_line)))
-    below = _ramp(cheek_line - places[:, 1], blend)
+    lid, cheek = _level(face, "3.9", "3.10"), _level(face, "5.3", "5.4")
+    # On large eyes the cheek bone is no lower than the lid, which must stay with its eye.
+    cheek_line = min((lid + cheek) / 2.0, lid - blend / 2.0)
+    width, height = np.abs(places[:, 0]), places[:, 1]
+    room = min(blend, 0.8 * abs(_level(face, "4.3", "4.4") - _level(face, "3.13", "3.14")))
+    above = _ramp(height - np.interp(width, border[:, 0], border[:, 1]), room)
+    below = _ramp(cheek_line - height, blend)
     return np.stack([above, 1.0 - above - below, below])
+
+
+def _brow_border(face: Face) -> Array:
+    """(1 to 3, 2) distance from the middle and height of the border under the brow."""
+    knots = []
+    for brows, eyes in _BROW_OVER_EYE:
+        if all(fdp in face.points.ids for fdp in (*brows, *eyes)):
+            across = float(np.mean([abs(face.point(fdp)[0]) for fdp in (*brows, *eyes)]))
+            knots.append((across, (_level(face, *brows) + _level(face, *eyes)) / 2.0))
+    return np.array(sorted(knots))
+
+
+def _level(face: Face, left: str, right: str) -> float:
+    return float(face.point(left)[1] + face.point(right)[1]) / 2.0
 
 
 def side_masks(face: Face, places: Array) -> Array:

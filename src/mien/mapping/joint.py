@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 
 from mien.errors import InputError
 from mien.face.character import Character
-from mien.face.pieces import BLINKS, split
+from mien.face.pieces import split
 from mien.mapping.examples import measure_examples
-from mien.mapping.lids import MARGINS, SCALARS, find_lids
+from mien.mapping.lids import SCALARS, find_lids
 from mien.mapping.programme import Programme, Terms
 from mien.mapping.regional import RegionalCardinal
 from mien.mapping.sight import compare
@@ -57,8 +57,6 @@ class Settings:
             raise InputError(f"gain {self.gain} cannot be used; choose from 0 to 10")
 
 
-_LID_SIGMA = 2.0
-"""Where closures are known, lid margins count as if measured this many times worse."""
 _CHUNK = 128
 """Frames solved at a time, which bounds memory."""
 
@@ -80,15 +78,14 @@ class JointMapper:
             character, self.pieces, header.points, header.neutral, self.settings.examples
         )
         self.rows = compare(header, self.examples.points)
-        names = [character.keys.names[key] for key in self.pieces.key]
         self.cardinal = RegionalCardinal(
             self.examples, self.pieces, self.rows, self.settings.linear_ridge
         )
         self._fields = self.rows(self.examples.pieces)
         self._lids = find_lids(character, self.pieces)
-        every, blink = np.ones(len(names), dtype=bool), np.isin(names, list(BLINKS))
-        self._with_blinks = self._programme(every, self.rows.precision)
-        self._without_blinks = self._programme(~blink, self.rows.precision * self._lid_belief())
+        self._programme = Programme(
+            self._fields, self.rows.precision, self.pieces, self.cardinal, self._terms()
+        )
 
     def __call__(self, performance: Performance) -> Curves:
         """Curves of the character for every frame of ``performance``, which is by the performer
@@ -97,7 +94,7 @@ class JointMapper:
         residual = np.empty(len(performance))
         for part in _parts(len(performance)):
             motion, unseen = self._read(performance, part)
-            weights[part] = self._weights(motion, unseen, _closure(performance, part))
+            weights[part] = self._mix(self._programme.solve(motion, unseen), performance, part)
             residual[part] = self._residual(motion, unseen, weights[part])
         rotation, translation = performance.head()
         return Curves(
@@ -116,7 +113,7 @@ class JointMapper:
         """(F, K) weight of each of the character's examples as the programme has it before lids
         are mixed."""
         parts = [
-            self._with_blinks.solve(*self._read(performance, part))
+            self._programme.solve(*self._read(performance, part))
             for part in _parts(len(performance))
         ]
         return self.by_key(np.concatenate(parts))
@@ -130,9 +127,9 @@ class JointMapper:
         own = self.examples.owner[:, None] == np.arange(len(self.character.examples))
         return np.asarray(weights @ (own / np.maximum(own.sum(axis=0), 1)))
 
-    def _programme(self, free: NDArray[np.bool_], precision: Array) -> Programme:
+    def _terms(self) -> Terms:
         settings = self.settings
-        terms = Terms(
+        return Terms(
             coupling=settings.coupling,
             ridge=settings.ridge,
             thrift=settings.thrift,
@@ -141,13 +138,6 @@ class JointMapper:
             fill=settings.linear_ridge,
             bound=settings.bound * max(settings.gain, 1.0),
         )
-        return Programme(self._fields, precision, free, self.pieces, self.cardinal, terms)
-
-    def _lid_belief(self) -> Array:
-        """(Q, 1) how far rows count where closures are known."""
-        margins = [fdp for pair in MARGINS for fdp in pair]
-        belief = np.where(np.isin(self.examples.points, margins), _LID_SIGMA**-2.0, 1.0)
-        return self.rows.mask(belief)[:, None]
 
     def _read(self, performance: Performance, part: slice) -> tuple[Array, Array]:
         """Motion (F, Q, 3) of the compared rows, exaggerated, and the unseen directions."""
@@ -156,32 +146,20 @@ class JointMapper:
         motion = performance.motion[part][:, self.rows.points]
         return self.rows(motion * self.settings.gain), performance.unseen[part]
 
-    def _weights(self, motion: Array, unseen: Array, closure: Array | None) -> Array:
-        if closure is None or self._lids is None:
-            return self._with_blinks.solve(motion, unseen)
-        # What the closures tell is taken out of the motion; what is left is squint and stare.
-        shut = self.settings.gain * np.clip(closure, 0.0, 1.0) @ self._lids.blink
-        rest = motion - self._move(shut)
-        return self._lids.mix(self._without_blinks.solve(rest, unseen), closure)
-
-    def _move(self, weights: Array) -> Array:
-        """(F, Q, 3) motion of the compared rows at ``weights`` (F, W)."""
-        flat = weights @ self._fields.reshape(len(self._fields), -1)
-        return np.asarray(flat.reshape(len(weights), *self._fields.shape[1:]))
+    def _mix(self, weights: Array, performance: Performance, part: slice) -> Array:
+        """Weights with the lids as the performer's closures have them, where those are known."""
+        if self._lids is None or any(name not in performance.scalars for name in SCALARS):
+            return weights
+        closure = np.stack([performance.scalars[name][part] for name in SCALARS], axis=-1)
+        return self._lids.mix(weights, closure)
 
     def _residual(self, motion: Array, unseen: Array, weights: Array) -> Array:
         """(F,) mm, root mean square over the points of what was seen and not expressed."""
         count = len(self.rows.points)
-        left = (motion - self._move(weights))[:, :count]
+        shown = weights @ self._fields.reshape(len(self._fields), -1)
+        left = (motion - shown.reshape(motion.shape))[:, :count]
         along = (left * unseen[:, None]).sum(axis=-1)
         return np.asarray(np.sqrt(((left**2).sum(axis=-1) - along**2).clip(0.0).mean(axis=1)))
-
-
-def _closure(performance: Performance, part: slice) -> Array | None:
-    """(F, 2) of the left and right lid, or None where they were not measured."""
-    if any(name not in performance.scalars for name in SCALARS):
-        return None
-    return np.stack([performance.scalars[name][part] for name in SCALARS], axis=-1)
 
 
 def _parts(frames: int) -> Iterator[slice]:

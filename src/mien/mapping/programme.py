@@ -49,30 +49,26 @@ class Terms:
 
 
 class Programme:
-    """Solves for the weights of ``free`` pieces; the others stay at zero."""
+    """Solves for the weights of W pieces, frame by frame."""
 
     def __init__(
         self,
         fields: Array,
         precision: Array,
-        free: NDArray[np.bool_],
         pieces: Pieces,
         cardinal: RegionalCardinal,
         terms: Terms,
     ) -> None:
-        """``fields`` (W, Q, 3) motion of each piece, ``precision`` (Q, 3), ``free`` (W,)."""
-        self._count = len(free)
-        self._free = np.flatnonzero(free)
-        self._fields = fields[self._free]
-        self._sight = Sight(self._fields, precision)
+        """``fields`` (W, Q, 3) motion of each piece, ``precision`` (Q, 3)."""
+        self._fields = fields
+        self._sight = Sight(fields, precision)
         self._cardinal = cardinal
         self._terms = terms
-        certainty = np.sqrt((self._fields**2 * precision).sum(axis=(1, 2)))
+        certainty = np.sqrt((fields**2 * precision).sum(axis=(1, 2)))
         self._threshold = terms.thrift * certainty
         pull = terms.balance * _pull_together(pieces.key, pieces.region)
         pull += terms.kinship * _pull_together(pieces.key, pieces.side)
-        own = (terms.ridge + terms.coupling) * np.eye(len(self._free))
-        self._prior = pull[np.ix_(self._free, self._free)] + own
+        self._prior = pull + (terms.ridge + terms.coupling) * np.eye(len(fields))
 
     def solve(self, motion: Array, unseen: Array) -> Array:
         """Weights (F, W) of all pieces for ``motion`` (F, Q, 3) mm, of which nothing is known
@@ -85,15 +81,11 @@ class Programme:
         linear = self._threshold - onto * belief[:, None]
         if self._terms.coupling:
             whole = self._fill(motion, unseen, sight, gram, onto)
-            linear -= self._terms.coupling * self._cardinal(whole)[:, self._free]
+            linear -= self._terms.coupling * self._cardinal(whole)
         hessian = gram * belief[: len(gram), None, None] + self._prior
-        size = len(self._free)
+        size = len(self._fields)
         hessian[:, np.arange(size), np.arange(size)] += _FIRM * hessian.max(axis=(1, 2))[:, None]
-        weights = np.zeros((len(motion), self._count))
-        weights[:, self._free] = solve_boxes(
-            hessian, linear, np.zeros(size), np.full(size, self._terms.bound)
-        )
-        return weights
+        return solve_boxes(hessian, linear, np.zeros(size), np.full(size, self._terms.bound))
 
     def _fill(self, motion: Array, unseen: Array, sight: Array, gram: Array, onto: Array) -> Array:
         """``motion`` with its unseen part as the pieces that explain the seen part would have
@@ -101,8 +93,8 @@ class Programme:
         if not unseen.any():
             return motion
         ridge = max(self._terms.fill, _FIRM * float(gram.max()))
-        weights = np.linalg.solve(gram + ridge * np.eye(len(self._free)), onto[..., None])[..., 0]
-        guess = (weights @ self._fields.reshape(len(self._free), -1)).reshape(motion.shape)
+        weights = np.linalg.solve(gram + ridge * np.eye(len(self._fields)), onto[..., None])[..., 0]
+        guess = (weights @ self._fields.reshape(len(self._fields), -1)).reshape(motion.shape)
         depth = (guess * unseen[:, None]).sum(axis=-1, keepdims=True)
         return np.asarray(motion @ sight + depth * unseen[:, None])
 
