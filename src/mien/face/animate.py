@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mien.face.character import KeyModels
 from mien.face.face import Array, Face
@@ -58,7 +57,8 @@ class Poser:
         if rotation is not None:
             _turn(vertices, self._head, rotation, self.face.pivots["head"])
         if translation is not None:
-            vertices[self._head] += translation
+            for run in self._head:
+                vertices[run] += translation
         return vertices
 
     def at(self, curves: Curves, frame: int) -> Array:
@@ -76,11 +76,20 @@ class Poser:
         )
 
 
-def _carried(face: Face, carriers: tuple[str, ...]) -> NDArray[np.intp]:
-    """Indices of the vertices of the parts that follow one of ``carriers``."""
-    runs = [np.arange(part.first, part.last) for part in face.parts if part.follows in carriers]
-    return np.concatenate([np.zeros(0, dtype=np.intp), *runs])
+def _carried(face: Face, carriers: tuple[str, ...]) -> list[slice]:
+    """Runs of vertices that belong to parts that follow one of ``carriers``."""
+    runs: list[slice] = []
+    for part in sorted(face.parts, key=lambda part: part.first):
+        if part.follows not in carriers:
+            continue
+        if runs and runs[-1].stop == part.first:
+            runs[-1] = slice(runs[-1].start, part.last)
+        else:
+            runs.append(slice(part.first, part.last))
+    return runs
 
 
-def _turn(vertices: Array, which: NDArray[np.intp], rotation: Array, pivot: Array) -> None:
-    vertices[which] += (vertices[which] - pivot) @ (rotation - np.eye(3)).T
+def _turn(vertices: Array, runs: list[slice], rotation: Array, pivot: Array) -> None:
+    turn = (rotation - np.eye(3)).T
+    for run in runs:
+        vertices[run] += (vertices[run] - pivot) @ turn

@@ -38,13 +38,11 @@ _OCCLUDED = 0.6
 that knows none, and all of it looks dirty."""
 
 
-def write_glb(
-    path: Path, character: Character, curves: Curves | None = None, *, head: bool = True
-) -> None:
+def write_glb(path: Path, character: Character, curves: Curves | None = None) -> None:
     """Write ``character`` to ``path``, with one animation where ``curves`` are given.
 
     With curves the morph targets are those the curves name; without, the pieces and after them
-    the whole key models. ``head`` False leaves the head's translation out.
+    the whole key models. A head that never travels gets no channel for it.
     Raises OutputError; ValueError where the curves name a target the character has not.
     """
     scene = _Scene(character.face, *_targets(character, curves))
@@ -58,7 +56,7 @@ def write_glb(
         "materials": scene.materials,
     }
     if curves is not None:
-        document["animations"] = [_animation(scene, curves, translation=head)]
+        document["animations"] = [_animation(scene, curves)]
     data = scene.buffer.glb(document)
     with whole_file(path) as temporary:
         temporary.write_bytes(data)
@@ -256,7 +254,7 @@ def _material(face: Face, name: str) -> Json:
     return described
 
 
-def _animation(scene: _Scene, curves: Curves, *, translation: bool) -> Json:
+def _animation(scene: _Scene, curves: Curves) -> Json:
     """One animation: weights of each morphing mesh, head and eyes, at the take's own times."""
     add = scene.buffer.add
     times = add(curves.time.astype(np.float32), bounds=True)
@@ -273,7 +271,7 @@ def _animation(scene: _Scene, curves: Curves, *, translation: bool) -> Json:
         channel(node, "weights", add(weights.ravel()))
     head, pivot = scene.carriers["head"], scene.face.pivots["head"]
     channel(head, "rotation", add(_quaternions(curves.rotation)))
-    if translation:
+    if curves.translation.any():
         channel(head, "translation", add(_metres(curves.translation + pivot)))
     for side, eye in enumerate(("eye_left", "eye_right")):
         turns = _quaternions(from_gaze(curves.gaze[:, side]))

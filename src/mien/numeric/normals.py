@@ -18,7 +18,7 @@ def vertex_normals(vertices: Array, triangles: Ints) -> Array:
     return normals
 
 
-@njit(cache=True, nogil=True, fastmath=True)
+@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
 def add_normals(vertices: Array, triangles: Ints, normals: Array) -> None:
     """As ``vertex_normals``, into ``normals`` (V, 3), which must come zeroed."""
     for t in range(triangles.shape[0]):

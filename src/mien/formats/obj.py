@@ -1,0 +1,71 @@
+"""A take as a sequence of Wavefront OBJ files, one a frame, for tools that read nothing else.
+
+Vertices carry their colour behind their place (``v x y z r g b``), which Blender, MeshLab and
+Houdini understand. All frames share one ``.mtl``.
+"""
+
+from __future__ import annotations
+
+from io import StringIO
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mien.face.animate import Poser
+from mien.face.character import Character
+from mien.face.face import Array, Face
+from mien.face.pieces import split
+from mien.formats.atomic import whole_folder
+from mien.performance.curves import Curves
+
+_MATERIALS = "materials.mtl"
+
+
+def write_obj_sequence(path: Path, character: Character, curves: Curves) -> None:
+    """Write the folder ``path`` with ``frame_00001.obj`` and so on, in metres.
+
+    An earlier sequence there is replaced. Raises OutputError; ValueError where the curves drive
+    other targets than the character's pieces.
+    """
+    poser = Poser(character.face, split(character))
+    colours, parts = _colours(character.face), _parts(character.face)
+    with whole_folder(path) as folder:
+        (folder / _MATERIALS).write_text(_materials(character.face))
+        for frame in range(len(curves)):
+            head = f"# {character.name}, {curves.time[frame]:.6f} s\nmtllib {_MATERIALS}\n"
+            vertices = _vertices(poser.at(curves, frame), colours)
+            (folder / f"frame_{frame + 1:05d}.obj").write_text(head + vertices + parts)
+
+
+def _vertices(places: Array, colours: Array) -> str:
+    text = StringIO()
+    rows = np.concatenate([1e-3 * places, colours], axis=1)
+    np.savetxt(text, rows, fmt="v %.6f %.6f %.6f %.3f %.3f %.3f")
+    return text.getvalue()
+
+
+def _parts(face: Face) -> str:
+    """The faces of all parts: the same text in every frame."""
+    text = StringIO()
+    for part in face.parts:
+        text.write(f"o {part.name}\nusemtl {part.material}\ns 1\n")
+        np.savetxt(text, part.triangles + 1, fmt="f %d %d %d")
+    return text.getvalue()
+
+
+def _materials(face: Face) -> str:
+    """One material a name, in the mean colour of its parts."""
+    text = []
+    for name in face.materials:
+        runs = [face.colours[p.first : p.last] for p in face.parts if p.material == name]
+        if runs:
+            r, g, b = np.concatenate(runs).mean(axis=0)
+            text.append(f"newmtl {name}\nKd {r:.4f} {g:.4f} {b:.4f}\n")
+    return "\n".join(text)
+
+
+def _colours(face: Face) -> NDArray[np.float64]:
+    """(V, 3) sRGB: readers of coloured OBJ take the numbers for what a screen shows."""
+    linear = np.clip(face.colours, 0.0, 1.0)
+    return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
