@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TypeVar
 
@@ -13,11 +13,14 @@ from mien.face.character import Character
 from mien.face.library import generic_face, load_character
 from mien.formats.livelink import read_livelink, write_livelink
 from mien.formats.mien_file import read_performance, write_performance
+from mien.formats.mp4 import Sound, write_mp4
 from mien.formats.sources import open_source
+from mien.formats.video import Video
 from mien.mapping import MAPPERS, Settings
 from mien.mapping.arkit import arkit_weights
 from mien.performance.curves import Curves
 from mien.performance.filters import smooth as smooth_curves
+from mien.performance.frame import Frame
 from mien.performance.performance import Performance
 
 Progress = Callable[[int, int | None], None]
@@ -100,6 +103,40 @@ def animate(
     mapper = _choose(MAPPERS, mapping, "mapping")(character, performance, Settings(gain=gain))
     curves = mapper(performance)
     return smooth_curves(curves) if smooth else curves
+
+
+def film(
+    acts: Sequence[tuple[Character, Curves]],
+    path: str | Path,
+    *,
+    take: str | Path | None = None,
+    start: float | None = None,
+    end: float | None = None,
+    mirror: bool = False,
+    progress: Progress | None = None,
+) -> None:
+    """Write an MP4 of up to four characters and what they do, beside the performer.
+
+    ``take``, ``start``, ``end`` and ``mirror`` as given to ``capture``; without ``take``, or from a
+    camera, the characters are alone. Raises InputError, FormatError, OutputError.
+    """
+    from mien.view.preview import preview  # only films need the renderer and its compiler
+
+    performer = sound = None
+    if take is not None and not str(take).startswith("camera:"):
+        performer = open_source(take, start, end, mirror)
+        if isinstance(performer, Video):
+            sound = Sound(performer.path, performer.begin)
+    frames: Iterable[Frame] = preview(acts, performer)
+    if progress is not None:
+        frames = _told(frames, len(acts[0][1]), progress)
+    write_mp4(Path(path), frames, sound)
+
+
+def _told(frames: Iterable[Frame], count: int, progress: Progress) -> Iterator[Frame]:
+    for done, frame in enumerate(frames, start=1):
+        yield frame
+        progress(done, count)
 
 
 def _choose(ways: Mapping[str, Way], name: str, what: str) -> Way:

@@ -6,6 +6,7 @@ import json
 import subprocess
 from pathlib import Path
 
+from PIL import Image
 from terminal import MIEN, mien
 
 
@@ -23,6 +24,13 @@ def test_characters_are_listed(tmp_path: Path) -> None:
     assert [character["name"] for character in told] == ["man", "woman", "monkey", "toy"]
     assert all("smile" in character["key_models"] for character in told)
     assert mien("character", "list", cwd=tmp_path).stdout.count("\n") == 4
+
+
+def test_a_character_is_shown_on_a_sheet(tmp_path: Path) -> None:
+    done = mien("character", "show", "toy", "-o", "sheets", cwd=tmp_path)
+    assert (done.stdout, done.stderr) == ("sheets/toy.png\n", "")
+    with Image.open(tmp_path / "sheets/toy.png") as sheet:
+        assert sheet.width > 1000
 
 
 def test_doctor_tells_what_works(tmp_path: Path) -> None:

@@ -22,11 +22,10 @@ from mien.formats.video import open_video
 
 
 @pytest.fixture(scope="module")
-def cut_able(tmp_path_factory: pytest.TempPathFactory) -> bytes:
+def cut_able(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A video whose index stands in front, so that FFmpeg opens it whatever follows."""
     path = tmp_path_factory.mktemp("video") / "noise.mp4"
-    write_video(path, noise(30), options={"movflags": "faststart"})
-    return path.read_bytes()
+    return write_video(path, noise(30), options={"movflags": "faststart"})
 
 
 @pytest.mark.parametrize(
@@ -123,13 +122,13 @@ def test_reading_ahead_hands_on_errors_after_the_items_before_them() -> None:
 @pytest.mark.parametrize("share", [0.02, 0.3, 0.7, 0.95])
 @pytest.mark.parametrize("ending", [".mp4", ".mkv"])
 def test_a_video_that_was_cut_off_is_refused(
-    tmp_path: Path, cut_able: bytes, share: float, ending: str
+    tmp_path: Path, cut_able: Path, share: float, ending: str
 ) -> None:
     if ending == ".mkv":
         whole = write_video(tmp_path / "noise.mkv", noise(120)).read_bytes()
         share = min(share, 0.7)
     else:
-        whole = cut_able
+        whole = cut_able.read_bytes()
     path = tmp_path / f"cut{ending}"
     path.write_bytes(whole[: int(len(whole) * share)])
     with pytest.raises(FormatError, match="cut"):
@@ -185,14 +184,23 @@ def test_what_is_not_there_is_refused(tmp_path: Path) -> None:
         open_source("camera:front", end=1.0)
 
 
+def test_a_code_nobody_knows_is_told(tmp_path: Path, cut_able: Path) -> None:
+    content = cut_able.read_bytes()
+    path = tmp_path / "odd.mp4"
+    path.write_bytes(content.replace(b"avc1\0\0\0", b"xyzw\0\0\0"))
+    assert path.read_bytes() != content
+    with pytest.raises(FormatError):
+        list(open_video(path))
+
+
 @settings(
     max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
 )
 @given(data=st.data())
 def test_damage_never_ends_in_anything_but_a_plain_error(
-    tmp_path: Path, cut_able: bytes, data: st.DataObject
+    tmp_path: Path, cut_able: Path, data: st.DataObject
 ) -> None:
-    broken = bytearray(cut_able)
+    broken = bytearray(cut_able.read_bytes())
     for _ in range(data.draw(st.integers(1, 8))):
         broken[data.draw(st.integers(0, len(broken) - 1))] = data.draw(st.integers(0, 255))
     path = tmp_path / "broken.mp4"

@@ -17,6 +17,7 @@ from mien.cli.capture import (
     take_name,
 )
 from mien.cli.command import positive, remark, tell
+from mien.cli.progress import progress
 from mien.cli.results import results
 from mien.errors import InputError
 
@@ -58,7 +59,7 @@ def add_acting_options(parser: argparse.ArgumentParser, output: str | None) -> N
         action="append",
         metavar="ENDING",
         dest="formats",
-        help="what to write for each character: glb, csv ...; may be repeated (default: glb)",
+        help="what to write for each character: glb, csv or obj; may be repeated (default: glb)",
     )
     parser.add_argument(
         "--mapping",
@@ -78,7 +79,7 @@ def add_acting_options(parser: argparse.ArgumentParser, output: str | None) -> N
 
 def run(options: argparse.Namespace) -> None:
     from mien.face.library import CHARACTERS, load_character
-    from mien.formats.save import save
+    from mien.formats.save import place, save
 
     characters = [load_character(name) for name in options.characters or CHARACTERS]
     plan = _plan(options, [character.name for character in characters])
@@ -91,8 +92,11 @@ def run(options: argparse.Namespace) -> None:
             curves = _act(options, performance, character)
             acts.append((character, curves))
             for file in files:
-                written.append(claim(file))
-                save(curves, written[-1], character)
+                claim(place(Path(file)).name)
+                written.append(save(curves, plan.folder / file, character))
+        if plan.preview:
+            written.append(claim(plan.preview))
+            _film(options, acts, written[-1])
     summary = summarize(performance)
     tell(
         options,
@@ -118,7 +122,7 @@ class Plan:
 
 
 def _plan(options: argparse.Namespace, names: list[str]) -> Plan:
-    from mien.formats.save import saver
+    from mien.formats.save import place
 
     twice = {name for name in names if names.count(name) > 1}
     if twice:
@@ -129,13 +133,13 @@ def _plan(options: argparse.Namespace, names: list[str]) -> Plan:
         endings = [ending.lstrip(".").lower() for ending in options.formats or ["glb"]]
         files = tuple(tuple(f"{name}.{ending}" for ending in endings) for name in names)
         for file in files[0]:
-            saver(Path(file))
+            place(Path(file))
         return Plan(output, files, None if options.no_preview else PREVIEW)
     if options.formats:
         raise InputError(f"-f {options.formats[0]}: only with a folder; -o {given} names a file")
     if output.suffix.lower() == ".mp4":
         return Plan(output.parent, ((),) * len(names), output.name)
-    saver(output)
+    place(output)
     if len(names) > 1:
         raise InputError(
             f"-o {given}: one file for {len(names)} characters; choose one with -c, "
@@ -157,6 +161,22 @@ def _act(options: argparse.Namespace, performance: Performance, character: Chara
     if options.no_head:
         curves = replace(curves, translation=curves.translation * 0.0)
     return curves
+
+
+def _film(options: argparse.Namespace, acts: list[tuple[Character, Curves]], path: Path) -> None:
+    from mien.recipe import READERS, film
+
+    captured_before = Path(options.take).suffix.lower() in READERS
+    with progress("drawing the preview") as told:
+        film(
+            acts,
+            path,
+            take=None if captured_before else options.take,
+            start=options.start,
+            end=options.end,
+            mirror=options.mirror,
+            progress=told,
+        )
 
 
 def _account(character: Character, curves: Curves) -> dict[str, object]:

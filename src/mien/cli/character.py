@@ -3,18 +3,42 @@
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 
 from mien.cli.command import tell
+from mien.cli.results import results
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("action", choices=("list",), help="list: what there is and what it can do")
+    parser.add_argument(
+        "action",
+        choices=("list", "show"),
+        help="list: what characters there are; show: a sheet with all that one can do",
+    )
+    parser.add_argument(
+        "names", nargs="*", metavar="NAME", help="characters or character files (default: built-in)"
+    )
+    parser.add_argument(
+        "-o",
+        "--output",
+        type=Path,
+        default=Path("out/characters"),
+        metavar="FOLDER",
+        help="show: where NAME.png goes (default: %(default)s)",
+    )
 
 
 def run(options: argparse.Namespace) -> None:
+    if options.action == "list":
+        _list(options)
+    else:
+        _show(options)
+
+
+def _list(options: argparse.Namespace) -> None:
     from mien.face.library import CHARACTERS, load_character
 
-    characters = [load_character(name) for name in CHARACTERS]
+    characters = [load_character(name) for name in options.names or CHARACTERS]
     tell(
         options,
         {
@@ -34,3 +58,17 @@ def run(options: argparse.Namespace) -> None:
             for character in characters
         ),
     )
+
+
+def _show(options: argparse.Namespace) -> None:
+    from mien.face.library import CHARACTERS, load_character
+    from mien.formats.images import write_image
+    from mien.view.contact_sheet import contact_sheet
+
+    characters = [load_character(name) for name in options.names or CHARACTERS]
+    written = []
+    with results(options.output) as claim:
+        for character in characters:
+            written.append(claim(f"{character.name}.png"))
+            write_image(written[-1], contact_sheet(character))
+    tell(options, {"files": [str(path) for path in written]}, *map(str, written))

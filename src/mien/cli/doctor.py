@@ -22,7 +22,7 @@ To follow faces with landmarks, install MediaPipe 0.10.21, the last that carries
   with pip        pip install --no-deps mediapipe==0.10.21
                   pip install 'protobuf>=4.25.3,<5' 'opencv-python-headless<5' \\
                               matplotlib absl-py flatbuffers attrs
-(pip install 'mien[landmarks]' works too, with 900 MB and numpy below 2.)"""
+pip install 'mien[landmarks]' works too, where libGL is present; it takes three times the room."""
 
 PACKAGES = (
     "numpy",
@@ -155,9 +155,27 @@ def _landmarks() -> str:
     return f"looks for a face in {1000 * each:.1f} ms a picture"
 
 
+def _renderer() -> str:
+    from mien.face.library import load_character
+    from mien.view.camera import Camera
+    from mien.view.renderer import Renderer
+
+    face = load_character("man").face
+    renderer, camera = Renderer(face), Camera(size=(360, 360))
+    begin = perf_counter()
+    renderer.render(face.vertices, camera)
+    first = perf_counter() - begin
+    begin = perf_counter()
+    renderer.render(face.vertices, camera)
+    return (
+        f"{first:.1f} s for the first picture, then {1000 * (perf_counter() - begin):.0f} ms each"
+    )
+
+
 CHECKS: dict[str, Callable[[], str]] = {
     "video": _video,
     "characters": _characters,
+    "renderer": _renderer,
     "landmarks": _landmarks,
 }
 

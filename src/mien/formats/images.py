@@ -1,4 +1,4 @@
-"""A folder of pictures as a recording."""
+"""Pictures: a folder of them as a recording, and one as a result."""
 
 from __future__ import annotations
 
@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageOps, UnidentifiedImageError
 
-from mien.errors import FormatError
+from mien.errors import FormatError, InputError
 from mien.formats.ahead import read_ahead
+from mien.formats.atomic import whole_file
 from mien.formats.video import MAX_FRAMES, MAX_SIDE, require_frames
 from mien.performance.frame import Frame
 
@@ -84,6 +85,17 @@ def open_images(
     require_frames(str(path), len(kept), start, end)
     height, width = _load(kept[0]).shape[:2]
     return ImageFolder(path, tuple(kept), (width, height), rate, start, end, mirror)
+
+
+def write_image(path: Path, image: NDArray[np.uint8]) -> None:
+    """Write a picture (H, W, 3) RGB; the ending chooses the format.
+
+    Raises InputError for an ending that is none of a picture, OutputError.
+    """
+    if path.suffix.lower() not in ENDINGS:
+        raise InputError(f"{path}: no ending of a picture; there are {', '.join(sorted(ENDINGS))}")
+    with whole_file(path) as temporary:
+        Image.fromarray(image).save(temporary)
 
 
 def _natural(path: Path) -> tuple[list[tuple[bool, int, str]], str]:

@@ -25,25 +25,37 @@ def _table(path: Path, character: Character, curves: Curves) -> None:
     write_table(path, curves)
 
 
+def _obj(path: Path, character: Character, curves: Curves) -> None:
+    from mien.formats.obj import write_obj_sequence
+
+    write_obj_sequence(path, character, curves)
+
+
 SAVERS: dict[str, Saver] = {
     ".glb": _glb,
     ".csv": _table,
+    ".obj": _obj,
 }
+FOLDERS = frozenset({".obj"})
+"""Kinds that are a folder of files: it is called as the file would be, without the ending."""
 
 
-def saver(path: Path) -> Saver:
-    """The one for the ending of ``path``, the longest that fits. Raises InputError."""
-    for ending in sorted(SAVERS, key=len, reverse=True):
-        if path.name.lower().endswith(ending):
-            return SAVERS[ending]
-    raise InputError(
-        f"{path}: cannot write files of that ending; there are {', '.join(sorted(SAVERS))}"
-    )
+def place(path: Path) -> Path:
+    """Where ``save`` puts what is called ``path``. Raises InputError for an unknown ending."""
+    if path.suffix.lower() not in SAVERS:
+        raise InputError(
+            f"{path}: cannot write files of that ending; there are {', '.join(sorted(SAVERS))}"
+        )
+    return path.with_suffix("") if path.suffix.lower() in FOLDERS else path
 
 
-def save(curves: Curves, path: str | Path, character: Character) -> None:
-    """Write what ``character`` does; the ending of ``path`` chooses the format.
+def save(curves: Curves, path: str | Path, character: Character) -> Path:
+    """Write what ``character`` does; the ending of ``path`` chooses the format: .glb (morph
+    targets and animation), .csv (a table of weights), .obj (a folder with one mesh a frame).
 
-    Raises InputError for an unknown ending, OutputError where it cannot be written.
+    Returns what was written. Raises InputError for an unknown ending, OutputError where it cannot
+    be written.
     """
-    saver(Path(path))(Path(path), character, curves)
+    written = place(Path(path))
+    SAVERS[Path(path).suffix.lower()](written, character, curves)
+    return written

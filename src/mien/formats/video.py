@@ -72,6 +72,11 @@ class Video:
     def name(self) -> str:
         return str(self.path)
 
+    @property
+    def begin(self) -> float:
+        """The file's own time at which the part from ``start`` begins: its sound's, too."""
+        return self.origin + self.start
+
     def __iter__(self) -> Iterator[Frame]:
         return read_ahead(self._frames())
 
@@ -192,6 +197,9 @@ def _stream(container: InputContainer, path: Path) -> VideoStream:
     stream = container.streams.best("video")
     if not isinstance(stream, VideoStream):
         raise FormatError(f"{path}: holds no pictures; name a video")
+    context: Any = stream.codec_context
+    if context is None:
+        raise FormatError(f"{path}: its pictures are in a code that is not known; save it as MP4")
     return stream
 
 
