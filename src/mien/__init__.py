@@ -9,12 +9,13 @@ mien.save(curves, "man.glb", mien.load_character("man"))
 # whichever is bound last wins.
 from mien.face.library import CHARACTERS, load_character
 from mien.formats.save import save
-from mien.recipe import animate, capture, load_performance, save_performance
+from mien.recipe import animate, capture, film, load_performance, save_performance
 
 __all__ = [
     "CHARACTERS",
     "animate",
     "capture",
+    "film",
     "load_character",
     "load_performance",
     "save",
