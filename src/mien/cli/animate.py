@@ -130,7 +130,7 @@ def _plan(options: argparse.Namespace, names: list[str]) -> Plan:
     given: str | None = options.output
     output = Path("out", take_name(options.take)) if given is None else Path(given)
     if given is None or given.endswith(("/", os.sep)) or output.is_dir() or not output.suffix:
-        endings = [ending.lstrip(".").lower() for ending in options.formats or ["glb"]]
+        endings = dict.fromkeys(e.lstrip(".").lower() for e in options.formats or ["glb"])
         files = tuple(tuple(f"{name}.{ending}" for ending in endings) for name in names)
         for file in files[0]:
             place(Path(file))
