@@ -16,7 +16,9 @@ from mien.face.character import Character, KeyModels
 from mien.face.face import Face, Part
 from mien.face.library import CHARACTERS, GENERIC, character_file
 from mien.face.store import write_character
+from mien.numeric.biharmonic import uniform_laplacian
 from mien.sculpt import jaw
+from mien.sculpt.cage import cage
 from mien.sculpt.cast import CAST
 from mien.sculpt.expression import Expression
 from mien.sculpt.expressions import KEYS
@@ -26,12 +28,13 @@ from mien.sculpt.occlusion import sky_seen
 from mien.sculpt.points import feature_points
 from mien.sculpt.sculpture import Sculpture, moving_parts, skin_solid, still_parts
 from mien.sculpt.skin import labels
-from mien.sculpt.solid import Solid, normals
+from mien.sculpt.solid import Solid
 
 Array = NDArray[np.float64]
 
 _NECK = np.array([0.0, -78.0, -62.0])
 """What the head turns about: the middle of the neck, in the sculpting frame."""
+_SMOOTHINGS = 3
 _IN_MOUTH = 0.45
 """Strength of the occlusion on the mouth bag."""
 
@@ -63,7 +66,7 @@ def sculpted(sculpture: Sculpture) -> Character:
         materials={part.material: MATERIALS[part.material] for part in parts},
         colours=np.concatenate([np.broadcast_to(s.colours, s.vertices.shape) for s in solids]),
         occlusion=_occlusion(sculpture, neutral, solids),
-        points=feature_points(vertices - origin, parts, pivots),
+        points=feature_points(vertices - origin, parts),
         pivots=pivots,
     )
     keys = KeyModels(
@@ -106,14 +109,24 @@ def _occlusion(sculpture: Sculpture, neutral: Head, solids: Sequence[Solid]) -> 
     triangles = np.concatenate([part.triangles for part in _parts(solids)])
     shut = np.concatenate([solid.vertices for solid in solids])
     opened = _posed(sculpture, neutral, solids, KEYS["jaw_open"])
-    closed_sky, open_sky = (sky_seen(v, triangles, normals(v, triangles)) for v in (shut, opened))
+    closed_sky, open_sky = (sky_seen(v, triangles) for v in (shut, opened))
     inside = np.concatenate([np.full(len(s.vertices), float(s.revealed)) for s in solids])
     label = labels()
     inside[: len(neutral.skin)] = np.clip(3 * label.bag + label.inner_lips, 0, 1)
     strength = np.concatenate([np.full(len(s.vertices), s.shade) for s in solids])
     strength[: len(neutral.skin)] = np.where(label.bag > 0.3, _IN_MOUTH, 1.0)
     sky = closed_sky * (1 - inside) + open_sky * inside
+    sky[: len(neutral.skin)] = _smoothed(sky[: len(neutral.skin)])
     return np.asarray(np.clip(1 - (1 - sky) * strength, 0, 1))
+
+
+def _smoothed(sky: Array) -> Array:
+    """Depth tests are grainy where the skin's triangles are large."""
+    mesh = cage().subdivision
+    near = uniform_laplacian(mesh.triangles, len(sky))
+    for _ in range(_SMOOTHINGS):
+        sky = sky - 0.5 * (near @ sky)
+    return sky
 
 
 def main(names: Sequence[str]) -> None:

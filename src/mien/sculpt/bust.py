@@ -8,6 +8,8 @@ from mien.sculpt.colour import Colour, linear
 from mien.sculpt.solid import Solid, fan, outward, sheet
 
 _PROFILE = (
+    (-24.0, 33.0, 34.0),
+    (-7.0, 38.0, 39.0),
     (0.0, 43.0, 44.0),
     (3.0, 47.0, 48.0),
     (1.5, 51.0, 52.0),
@@ -22,8 +24,8 @@ _PROFILE = (
     (-106.0, 92.0, 56.0),
     (-110.0, 48.0, 30.0),
 )
-"""Height under the collar, half width and half depth of each row."""
-_COLLAR_ROWS = 4
+"""Height over the collar's root, half width and half depth of each row, from inside the neck."""
+_COLLAR_ROWS = 6
 _AROUND = 40
 _TOP, _DEPTH = -114.0, -58.0
 
@@ -33,7 +35,7 @@ def bust(cloth: Colour, collar: Colour, narrow: float = 1.0) -> Solid:
     angle = np.linspace(0, 2 * np.pi, _AROUND, endpoint=False)
     rows = []
     for down, wide, deep in _PROFILE:
-        fall = np.clip(-down / 40, 0, 1)
+        fall = np.clip(-down / 40, 0, 1) if wide > 50 else 0.0
         width = narrow + (1 - narrow) * fall
         rows.append(
             np.stack(

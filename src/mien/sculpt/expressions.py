@@ -33,9 +33,9 @@ KEYS: Mapping[str, Expression] = {
     "smile": E(
         corner=(9.5, 9.0, -5.0),
         upper_lip=(0, 0.7, -1.0),
-        lower_lip=(0, 0.5, -0.6),
+        lower_lip=(0, 0.65, -0.6),
         upper_quarter=(0, 0.1, 0),
-        lower_quarter=(0, -0.4, 0),
+        lower_quarter=(0, -0.15, 0),
         upper_thick=0.86,
         lower_thick=0.86,
         cheek=(2.5, 5.0, 5.0),
@@ -211,7 +211,7 @@ _FUNNEL = E(
     lower_thick=1.3,
 )
 _MOUTH_LEFT = E(lips_aside=7.0)
-_SQUINT = E(squint=0.75, blink=0.06, cheek=(0, 2.5, 2.0))
+_SQUINT = E(squint=0.95, blink=0.14, cheek=(0, 3.0, 2.0), brow_middle=(0, -1.0, 0))
 _PUFF = E(puff=9.0, upper_lip=(0, 0, 1.2), lower_lip=(0, 0, 1.2))
 
 UNITS: Mapping[str, Expression] = {
@@ -273,8 +273,8 @@ ARKIT: Mapping[str, Expression] = {
     "mouthPucker": KEYS["pucker"],
     "mouthLeft": _MOUTH_LEFT,
     "mouthRight": _MOUTH_LEFT.mirrored(),
-    "mouthRollLower": E(lower_thick=0.35, lower_lip=(0, 1.0, -4.0), lower_quarter=(0, 0.4, -1.5)),
-    "mouthRollUpper": E(upper_thick=0.35, upper_lip=(0, -0.6, -4.0), upper_quarter=(0, 0, -1.5)),
+    "mouthRollLower": E(lower_thick=0.4, lower_lip=(0, 0.6, -2.2), lower_quarter=(0, 0.3, -0.8)),
+    "mouthRollUpper": E(upper_thick=0.4, upper_lip=(0, -0.4, -2.0), upper_quarter=(0, 0, -0.8)),
     "mouthShrugLower": E(
         lower_lip=(0, 2.6, 2.0), upper_lip=(0, 2.4, 1.0), lower_thick=1.2, chin=5.0
     ),

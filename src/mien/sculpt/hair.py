@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial import cKDTree
 
+from mien.numeric.normals import vertex_normals
 from mien.sculpt.colour import Colour, linear
-from mien.sculpt.solid import Form, normals, outward, sheet, spline, tube
+from mien.sculpt.solid import Form, outward, sheet, spline, tube
 
 Array = NDArray[np.float64]
 Edge = Callable[[Array], Array]
@@ -112,7 +113,7 @@ def lock(
 
 def shaded(form: Form, dark: Colour, light: Colour, ridge: Array | None = None) -> Array:
     """(V, 3) hair colour: light where it looks up and where it rides high."""
-    amount = np.clip(0.35 + 0.65 * normals(*form)[:, 1], 0, 1)
+    amount = np.clip(0.35 + 0.65 * vertex_normals(form[0], form[1].astype(np.int32))[:, 1], 0, 1)
     if ridge is not None:
         amount = 0.5 * amount + 0.5 * ridge
     return np.asarray(linear(dark) * (1 - amount)[:, None] + linear(light) * amount[:, None])

@@ -7,13 +7,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from mien.numeric.normals import vertex_normals
 from mien.sculpt.cage import cage
 from mien.sculpt.expression import Expression
 from mien.sculpt.neutral import neutral_cage
 from mien.sculpt.pose import posed_cage
 from mien.sculpt.proportions import Proportions
 from mien.sculpt.skin import skin_of
-from mien.sculpt.solid import normals
 
 Array = NDArray[np.float64]
 
@@ -61,7 +61,9 @@ def neutral_head(proportions: Proportions) -> Head:
 def _head(proportions: Proportions, expression: Expression, places: Array) -> Head:
     skin = skin_of(places, proportions.eye)
     triangles = cage().subdivision.triangles
-    return Head(proportions, expression, places, skin, normals(skin, triangles))
+    return Head(
+        proportions, expression, places, skin, vertex_normals(skin, triangles.astype(np.int32))
+    )
 
 
 def _symmetrised(head: Head) -> Head:

@@ -21,8 +21,9 @@ _OUTWARD = np.stack([0.9 * np.cos(_ANGLE), np.sin(_ANGLE)], axis=1)
 _OUTWARD /= np.linalg.norm(_OUTWARD, axis=1, keepdims=True)
 _MEET = 0.62
 """Closed lids meet at this part of the lower lid's depth: the lower lid rises the rest."""
-_OVERLAP = 0.85
-"""mm by which each closed margin of the cage passes the meeting line: subdivision draws it back."""
+_OVERLAP = 0.05
+"""Part of the opening by which each closed margin of the cage passes the meeting line: subdivision
+draws it back by as much."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,8 +88,10 @@ def margin(eye: EyeShape, pose: LidPose) -> tuple[Array, Array]:
     bottom = -eye.lower * sine**0.9 * (1 + 1.3 * eye.peak * cosine)
     meet = _MEET * bottom
     top = top - pose.tilt * eye.upper / 10 * cosine * sine**0.8
-    top = top + (meet - _OVERLAP - top) * pose.upper
-    bottom = bottom + (meet + _OVERLAP - bottom) * pose.lower
+    # Nothing to pass at the corners, where the lids hang together.
+    past = (_OVERLAP * (eye.upper + eye.lower) + 0.15) * sine
+    top = top + (meet - past - top) * pose.upper
+    bottom = bottom + (meet + past - bottom) * pose.lower
     above = np.where(UPPER, top, np.where(LOWER, bottom, 0.0))
     return across + pose.aside * sine, above + eye.tilt * cosine
 

@@ -89,7 +89,7 @@ def with_jaw(teeth_lower: Solid, expression: Expression) -> Array:
 def tongue(mouth: MouthShape) -> Solid:
     """The tongue at rest: tip first (vertex 0), then rings backwards to the root."""
     scale = _scale(mouth)
-    around, rows = 14, 11
+    around, rows = 16, 11
     polar = (np.pi * np.arange(1, rows) / rows)[:, None]
     angle = np.linspace(0, 2 * np.pi, around, endpoint=False)[None]
     x = np.sin(polar) * np.cos(angle)

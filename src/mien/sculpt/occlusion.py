@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from mien.numeric.normals import vertex_normals
+from mien.numeric.raster import rasterize
+
 Array = NDArray[np.float64]
-Index = NDArray[np.intp]
+Ints = NDArray[np.int32]
 
 _DIRECTIONS = 72
 _PIXELS = 320
@@ -16,20 +18,21 @@ _BIAS = 1.2
 """mm a surface may lie behind itself and still count as seen."""
 
 
-def sky_seen(vertices: Array, triangles: Index, normals: Array) -> Array:
+def sky_seen(vertices: Array, triangles: Ints) -> Array:
     """(V,) 0 buried .. 1 open; light from above counts a little more."""
+    normals = vertex_normals(vertices, triangles)
+    both = np.ones(len(triangles), bool)
     seen, total = np.zeros(len(vertices)), np.zeros(len(vertices))
-    faces = np.ascontiguousarray(triangles, dtype=np.int64)
     for direction in _even_directions(_DIRECTIONS):
         facing = normals @ direction
-        turn = _looking_along(direction)
-        turned = vertices @ turn.T
-        low, high = turned[:, :2].min(axis=0), turned[:, :2].max(axis=0)
-        scale = _PIXELS * (1 - 2 * _BORDER) / (high - low).max()
-        screen = np.column_stack([(turned[:, :2] - low) * scale + _PIXELS * _BORDER, turned[:, 2]])
-        nearest = _depths(screen, faces, _PIXELS)
+        turned = vertices @ _looking_along(direction).T
+        low, high = turned.min(axis=0), turned.max(axis=0)
+        scale = _PIXELS * (1 - 2 * _BORDER) / (high - low)[:2].max()
+        screen = (turned - low) * scale + _PIXELS * _BORDER
+        _, nearest = rasterize(screen.astype(np.float32), triangles, both, _PIXELS, _PIXELS)
         column, row = np.clip(screen[:, :2].astype(int), 0, _PIXELS - 1).T
-        visible = turned[:, 2] + _BIAS + 1.2 * (1 - facing) / scale >= nearest[row, column]
+        behind = (nearest[row, column] - screen[:, 2]) / scale
+        visible = behind <= _BIAS + 1.2 * (1 - facing) / scale
         weight = np.where(facing > 0.02, facing, 0.0) * (1 + 0.35 * direction[1])
         seen += weight * visible
         total += weight
@@ -51,33 +54,3 @@ def _looking_along(direction: Array) -> Array:
     right = np.cross(up, direction)
     right /= np.linalg.norm(right)
     return np.stack([right, np.cross(direction, right), direction])
-
-
-@njit(cache=True)
-def _depths(screen: Array, triangles: NDArray[np.int64], size: int) -> Array:
-    """(size, size) nearest depth (largest z) at each pixel."""
-    nearest = np.full((size, size), -1e9)
-    for number in range(len(triangles)):
-        a, b, c = (
-            screen[triangles[number, 0]],
-            screen[triangles[number, 1]],
-            screen[triangles[number, 2]],
-        )
-        area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
-        if abs(area) < 1e-12:
-            continue
-        left = max(0, int(np.floor(min(a[0], b[0], c[0]))))
-        right = min(size - 1, int(np.ceil(max(a[0], b[0], c[0]))))
-        bottom = max(0, int(np.floor(min(a[1], b[1], c[1]))))
-        top = min(size - 1, int(np.ceil(max(a[1], b[1], c[1]))))
-        for row in range(bottom, top + 1):
-            for column in range(left, right + 1):
-                x, y = column + 0.5, row + 0.5
-                v = ((x - a[0]) * (c[1] - a[1]) - (y - a[1]) * (c[0] - a[0])) / area
-                w = ((b[0] - a[0]) * (y - a[1]) - (b[1] - a[1]) * (x - a[0])) / area
-                if v < -1e-6 or w < -1e-6 or v + w > 1 + 1e-6:
-                    continue
-                depth = a[2] + v * (b[2] - a[2]) + w * (c[2] - a[2])
-                if depth > nearest[row, column]:
-                    nearest[row, column] = depth
-    return nearest

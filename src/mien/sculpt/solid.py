@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import CubicSpline
 
+from mien.numeric.normals import vertex_normals
+
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 Form = tuple[Array, Index]
@@ -42,20 +44,11 @@ class Solid:
         )
 
 
-def normals(vertices: Array, triangles: Index) -> Array:
-    """(V, 3) unit normals, faces weighed by area."""
-    a, b, c = (vertices[corner] for corner in triangles.T)
-    face = np.cross(b - a, c - a)
-    total = np.zeros_like(vertices)
-    for corner in triangles.T:
-        for axis in range(3):
-            total[:, axis] += np.bincount(corner, face[:, axis], len(vertices))
-    return np.asarray(total / (np.linalg.norm(total, axis=1, keepdims=True) + 1e-12))
-
-
 def outward(vertices: Array, triangles: Index, middle: ArrayLike) -> Form:
     """The form with its triangles turned to face away from ``middle`` (3,) or (V, 3)."""
-    facing = ((vertices - np.asarray(middle)) * normals(vertices, triangles)).sum()
+    facing = (
+        (vertices - np.asarray(middle)) * vertex_normals(vertices, triangles.astype(np.int32))
+    ).sum()
     return vertices, triangles if facing >= 0 else triangles[:, ::-1]
 
 

@@ -40,7 +40,7 @@ _PROPORTIONS = Proportions(
 
 def _dress(neutral: Head) -> Sequence[Solid]:
     return (
-        *pair(ear(EarShape(height=27, width=15.5, root=(71, 10, -31)), _SKIN, _BOWL)),
+        *pair(ear(EarShape(height=27, width=15.5, root=(71.5, 13, -24)), _SKIN, _BOWL)),
         bust((0.55, 0.57, 0.60), (0.66, 0.68, 0.70)),
     )
 

@@ -14,12 +14,12 @@ from mien.sculpt.colour import paint_skin
 from mien.sculpt.ears import EarShape, ear
 from mien.sculpt.expressions import EXAMPLES, KEYS
 from mien.sculpt.eyes import Iris
-from mien.sculpt.hair import Scalp, cap, curve, shaded
+from mien.sculpt.hair import Scalp, cap, curve, lock, shaded
 from mien.sculpt.head import Head
 from mien.sculpt.proportions import Brush, EyeShape, HairLine, HeadShape, MouthShape, Proportions
 from mien.sculpt.sculpture import Sculpture
 from mien.sculpt.skin import labels
-from mien.sculpt.solid import Solid
+from mien.sculpt.solid import Form, Solid, merged
 
 Array = NDArray[np.float64]
 
@@ -74,28 +74,61 @@ def _paint(head: Head) -> Array:
     return np.asarray(colours * (1 - 0.16 * beard[:, None] * [1, 0.85, 0.75]))
 
 
+_PARTING = 30.0
+"""Degrees of yaw, on his left."""
+
+
+def _top(scalp: Scalp) -> list[Form]:
+    """Swept from the parting over to his right, the front ones highest; each lies 1.5 mm above the
+    one behind it."""
+    forms = []
+    for number in range(7):
+        q, up = number / 6, 1.5 * (6 - number)
+        pitch = 46 + 40 * q
+        course = [
+            (_PARTING + 4 + 6 * q, pitch + 4 - 4 * q, 1.0),
+            (_PARTING - 14 + 4 * q, pitch + 9, 12 + up),
+            (2 - 6 * q, pitch + 7 - 4 * q, 15 + up),
+            (-28 - 12 * q, pitch - 2 - 14 * q, 12 + 0.8 * up),
+            (-52 - 20 * q, pitch - 16 - 30 * q, 7 + 0.4 * up),
+            (-66 - 24 * q, pitch - 28 - 34 * q, 3.0),
+        ]
+        forms.append(lock(scalp, course, 13.5, 6.5, rows=16, widest=0.4, start=0.3, end=0.1))
+    for number in range(4):
+        q, up = number / 3, 1.2 * (3 - number)
+        course = [
+            (_PARTING + 2 + 10 * q, 54 + 26 * q, 3.0),
+            (_PARTING + 16 + 14 * q, 47 + 16 * q, 8 + up),
+            (_PARTING + 32 + 22 * q, 34 + 4 * q, 7 + up),
+            (_PARTING + 42 + 30 * q, 20 - 4 * q, 3.0),
+        ]
+        forms.append(lock(scalp, course, 12.0, 5.0, rows=11, widest=0.4, start=0.3, end=0.1))
+    return forms
+
+
 def _hair(neutral: Head) -> Solid:
+    scalp = Scalp(neutral.skin)
     edge = curve(
-        (0, 93), (25, 93), (45, 89), (59, 90), (70, 97), (79, 107), (88, 106), (97, 97), (108, 95),
-        (125, 103), (180, 109),
+        (0, 76), (20, 76), (38, 72), (50, 80), (62, 92), (72, 108), (80, 112), (88, 106), (98, 97),
+        (108, 97), (125, 105), (180, 112),
     )  # fmt: skip
 
     def depth(azimuth: Array, along: Array) -> Array:
-        tuft = np.exp(-(((azimuth - 10) / 44) ** 2)) * np.exp(-(((along - 0.78) / 0.25) ** 2))
-        parting = 1 - 0.55 * np.exp(-(((azimuth + 40) / 8) ** 2))
-        shorn = 1 - 0.50 * along * np.exp(-(((np.abs(azimuth) - 92) / 34) ** 2))
-        return np.asarray((9 + 17 * tuft * parting) * shorn)
+        shorn = 1 - 0.45 * along * np.exp(-(((np.abs(azimuth) - 92) / 34) ** 2))
+        return np.asarray((5.5 + 3.5 * (1 - along)) * shorn)
 
-    form, ridge = cap(
-        Scalp(neutral.skin), edge, depth, ridge=1.15, ridges=21, swirl=0.75, zigzag=1.3, teeth=13,
-        around=126, rows=24,
+    short, ridge = cap(
+        scalp, edge, depth, ridge=0.35, ridges=44, swirl=0.5, zigzag=1.0, teeth=23, around=92,
+        rows=18,
     )  # fmt: skip
-    return Solid("hair", "hair", *form, shaded(form, _DARK, _LIGHT, ridge))
+    locks = _top(scalp)
+    colours = [shaded(short, _DARK, _LIGHT, ridge), *(shaded(f, _DARK, _LIGHT) for f in locks)]
+    return Solid("hair", "hair", *merged([short, *locks]), np.concatenate(colours))
 
 
 def _dress(neutral: Head) -> Sequence[Solid]:
     return (
-        *pair(ear(EarShape(height=28, width=16.5, root=(73, 11, -31)), _SKIN, (0.80, 0.42, 0.34))),
+        *pair(ear(EarShape(height=28, width=16.5, root=(74, 13, -24)), _SKIN, (0.80, 0.42, 0.34))),
         _hair(neutral),
         bust((0.20, 0.33, 0.42), (0.93, 0.92, 0.88)),
     )

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.sculpt.brush import bump
+from mien.sculpt.brush import bump, ramp
 from mien.sculpt.bust import bust
 from mien.sculpt.cast.human import ball_eyes, pair
 from mien.sculpt.colour import (
@@ -99,7 +99,7 @@ def _bare(head: Head) -> Array:
     eyes = np.hypot((aside - eye.aside - 2) / 34, (skin[:, 1] - eye.height - 3) / 35)
     muzzle = np.hypot(aside / 54, (skin[:, 1] - mouth.height) / 42)
     rim = np.where(skin[:, 2] < -2, 2.0, np.minimum(eyes, muzzle))
-    amount = np.clip((1.07 - rim) / 0.24, 0, 1)
+    amount = np.clip((1.12 - rim) / 0.34, 0, 1)
     return np.asarray(amount**2 * (3 - 2 * amount) * (labels().mask > 0.5))
 
 
@@ -117,56 +117,49 @@ def _paint(head: Head) -> Array:
     return paint_nostrils(colours, head, (4.5, 3.0, 8.0), (0.20, 0.09, 0.07), 0.9)
 
 
-def _tuft(scalp: Scalp) -> list[Form]:
-    """A forelock on the crown and two tufts on each cheek."""
-    random = np.random.default_rng(3)
+def _tufts(scalp: Scalp) -> list[Form]:
+    """A forelock that falls forward from the crown."""
     forms = []
-    front = ((-34, 0.8), (-17, 1.0), (0, 1.15), (17, 1.0), (34, 0.8))
-    back = ((-26, 0.75), (-8, 0.9), (9, 0.9), (27, 0.75))
-    for row, pitch in ((front, 60.0), (back, 72.0)):
-        for yaw, size in row:
-            h = 15 * size
-            jitter = random.normal(0, (4, 5, 6))
-            course = [
-                (yaw, pitch, 2),
-                (0.95 * yaw, pitch + 1, 0.8 * h),
-                (0.8 * yaw + jitter[0], pitch - 3, 1.4 * h),
-                (0.6 * yaw + jitter[1], pitch - 10, 1.75 * h),
-                (0.5 * yaw + jitter[2], pitch - 17, 1.7 * h),
-            ]
-            forms.append(lock(scalp, course, 12, 9, rows=12, widest=0.2, start=0.8, end=0.05))
-    for side in (1, -1):
-        for number, (yaw, pitch) in enumerate(((64, -26), (66, -36), (72, -18))):
-            course = [
-                (side * (yaw + 14), pitch + 6, 2),
-                (side * (yaw + 6), pitch - 2, 9),
-                (side * (yaw + 2), pitch - 12, 15 - number),
-                (side * (yaw + 4), pitch - 22, 19 - number),
-            ]
-            forms.append(lock(scalp, course, 9, 6, rows=9, widest=0.3, start=0.7, end=0.05))
+    for yaw, lean, size in (
+        (-26, -9, 0.75), (22, 11, 0.85), (-13, -2, 0.95), (11, 6, 1.05), (-1, 1, 1.15),
+    ):  # fmt: skip
+        h = 20 * size
+        course = [
+            (1.3 * yaw, 66, -3),
+            (1.1 * yaw, 67, 0.5 * h),
+            (0.9 * yaw + 0.4 * lean, 64, 1.0 * h),
+            (0.8 * yaw + 1.0 * lean, 57, 1.3 * h),
+            (0.8 * yaw + 1.8 * lean, 48, 1.15 * h),
+            (0.9 * yaw + 2.6 * lean, 41, 0.7 * h),
+        ]
+        forms.append(lock(scalp, course, 11.5, 7, rows=14, widest=0.38, start=0.7, end=0.02))
     return forms
 
 
 def _fur(neutral: Head) -> Solid:
     scalp = Scalp(neutral.skin)
     edge = curve(
-        (0, 88), (14, 92), (30, 86), (50, 80), (62, 86), (75, 100), (90, 116), (110, 128),
-        (130, 132), (155, 128), (180, 126),
+        (0, 88), (14, 92), (30, 86), (50, 80), (62, 84), (75, 88), (88, 94), (100, 112),
+        (115, 126), (130, 130), (155, 128), (180, 126),
     )  # fmt: skip
     hood, ridge = cap(
         scalp,
         edge,
-        lambda azimuth, along: 7.5 + 2 * np.exp(-(((along - 0.6) / 0.25) ** 2)),
-        ridge=0.38,
+        lambda azimuth, along: 7.0 - 4.5 * ramp(0.55, 1.0, along),
+        ridge=0.45,
         ridges=41,
         swirl=0.2,
-        zigzag=2.2,
-        teeth=17,
-        around=136,
+        zigzag=2.8,
+        teeth=25,
+        around=150,
         rows=18,
+        sink=2.0,
     )
-    tufts = merged(_tuft(scalp))
-    colours = np.concatenate([shaded(hood, _DARK, _LIGHT, ridge), shaded(tufts, _DARK, _LIGHT)])
+    tufts = merged(_tufts(scalp))
+    # Towards its edge the hood takes on the colour of the short fur it grows out of.
+    along = np.append(0, np.repeat(np.linspace(0, 1, 18)[1:], 150))
+    colours = mix(shaded(hood, _DARK, _LIGHT, ridge), _FUR, 0.85 * ramp(0.45, 0.95, along))
+    colours = np.concatenate([colours, shaded(tufts, _DARK, _LIGHT)])
     return Solid("hair", "fur", *merged([hood, tufts]), colours)
 
 

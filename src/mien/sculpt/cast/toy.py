@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -10,6 +11,7 @@ from scipy.spatial import cKDTree
 
 from mien.sculpt.bust import bust
 from mien.sculpt.colour import linear, mix, paint_lid_edges, paint_lips, paint_mouth
+from mien.sculpt.expression import Expression
 from mien.sculpt.expressions import EXAMPLES, KEYS
 from mien.sculpt.eyes import catch_light, gaze_frame
 from mien.sculpt.hair import Scalp, cap, curve, lock
@@ -30,7 +32,7 @@ from mien.sculpt.solid import Form, Solid, ball, merged, outward, sheet, tube
 Array = NDArray[np.float64]
 
 _THREAD = (0.62, 0.16, 0.13)
-_PATCH, _PATCH_RADII = np.array([47.0, -8.0]), np.array([15.0, 14.0])
+_PATCH, _PATCH_RADII = np.array([50.0, -19.0]), np.array([13.0, 12.0])
 
 _PROPORTIONS = Proportions(
     HeadShape(
@@ -45,10 +47,11 @@ _PROPORTIONS = Proportions(
         cheek=9,
         nose=(0.55, 0.40, 0.26),
         nose_up=2,
-        neck=0.56,
+        neck=0.66,
         brushes=(
             Brush((0, 40, 52), (60, 26, 40), (0, 0, 4)),
             Brush((0, -74, 40), (34, 18, 34), (3, 2, 4)),
+            Brush((30, -12, 50), (24, 12, 24), (0, 0, 5)),
         ),
     ),
     EyeShape(
@@ -64,7 +67,7 @@ _PROPORTIONS = Proportions(
         lid_turn=5,
         gaze_turn=3,
         crease=7.5,
-        offset=3.4,
+        offset=4.0,
     ),
     MouthShape(
         half_width=27,
@@ -85,8 +88,6 @@ _PROPORTIONS = Proportions(
 def _paint(head: Head) -> Array:
     skin = head.skin
     colours = np.tile(linear((0.91, 0.79, 0.62)), (len(skin), 1))
-    weave = 0.5 + 0.5 * np.sin(2.4 * skin[:, 0]) * np.sin(2.4 * skin[:, 1])
-    colours *= 1 - 0.05 * weave[:, None]
     patch = np.hypot(
         *((np.abs(skin[:, :2]) * [1, 0] + skin[:, :2] * [0, 1] - _PATCH) / _PATCH_RADII).T
     )
@@ -126,7 +127,7 @@ def _eyes(eye: EyeShape, side: int) -> Sequence[Solid]:
     here = np.arange(around)
     roof = np.stack([np.zeros(around, int), 1 + here, 1 + (here + 1) % around], axis=1)
     button = np.concatenate([roof, sheet(len(_BUTTON), around, 1)])
-    felt, felt_faces = ball(frame.centre, 0.80 * radius, 20)
+    felt, felt_faces = ball(frame.centre, 0.97 * radius, 20)
     beyond = np.clip((felt - frame.centre) @ frame.ahead - 0.5 * radius, 0, None)
     felt = felt - beyond[:, None] * frame.ahead
     holes = merged([ball(inside(u, v, 0.75), 0.075 * radius, 8) for u, v in _HOLES])
@@ -305,13 +306,20 @@ def _ride(neutral: Head, posed: Head) -> Sequence[Solid]:
     )
 
 
+# Wide-open lids would show where a button ends.
+_KEYS: Mapping[str, Expression] = {
+    **KEYS,
+    "surprise": replace(KEYS["surprise"], blink=-0.2, squint=-0.1),
+    "fear": replace(KEYS["fear"], blink=-0.18),
+}
+
 TOY = Sculpture(
     name="toy",
     proportions=_PROPORTIONS,
     paint=_paint,
     eyes=_eyes,
     dress=_dress,
-    keys=KEYS,
+    keys=_KEYS,
     examples=EXAMPLES,
     brow=(0.55, 0.17, 0.07),
     teeth=False,

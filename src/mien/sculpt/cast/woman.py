@@ -85,26 +85,26 @@ def _curtain(scalp: Scalp) -> list[Form]:
 def _fringe(scalp: Scalp) -> list[Form]:
     """Swept from the parting to either side, each lock 2 mm above its neighbour."""
     forms = []
-    for number in range(4):
-        q, up = number / 3, 2.2 * (3 - number)
+    for number in range(5):
+        q, up = number / 4, 1.8 * (4 - number)
         course = [
-            (_PARTING + 6 - 3 * number, 70 - 4 * number, 7 + up),
-            (_PARTING + 18 + 20 * q, 54 - 4 * q, 17 + up),
-            (20 + 38 * q, 33 - 6 * q, 17 + up),
-            (46 + 30 * q, 13 - 9 * q, 15.5 + up),
-            (64 + 22 * q, -14 - 8 * q, 14 + 0.7 * up),
-            (68 + 18 * q, -42 - 6 * q, 12 + 0.5 * up),
+            (_PARTING + 5 - 1.5 * number, 72 - 5 * number, 7 + up),
+            (_PARTING + 17 + 18 * q, 55 - 5 * q, 17 + up - 3 * q),
+            (20 + 34 * q, 34 - 7 * q, 17 + up - 2 * q),
+            (46 + 28 * q, 13 - 9 * q, 15.5 + up),
+            (64 + 21 * q, -14 - 8 * q, 14 + 0.7 * up),
+            (68 + 17 * q, -42 - 6 * q, 12 + 0.5 * up),
         ]
         forms.append(lock(scalp, course, 15.5, 7, widest=0.42, start=0.35, end=0.06, rows=18))
-    for number in range(3):
-        q, up = number / 2, 2.2 * (2 - number)
+    for number in range(4):
+        q, up = number / 3, 1.8 * (3 - number)
         course = [
-            (_PARTING - 6 - 2 * number, 70 - 4 * number, 7 + up),
-            (_PARTING - 18 - 14 * q, 52, 16 + up),
-            (-46 - 18 * q, 30 - 4 * q, 15.5 + up),
-            (-63 - 18 * q, 8, 14.5 + up),
-            (-72 - 14 * q, -16, 13.5 + 0.7 * up),
-            (-71 - 12 * q, -40, 11 + 0.5 * up),
+            (_PARTING - 5 - number, 72 - 6 * number, 7 + up),
+            (_PARTING - 17 - 14 * q, 53 - 2 * q, 16 + up - 2 * q),
+            (-45 - 18 * q, 31 - 5 * q, 15.5 + up),
+            (-62 - 18 * q, 8, 14.5 + up),
+            (-71 - 14 * q, -16, 13.5 + 0.7 * up),
+            (-70 - 12 * q, -42 - 4 * q, 11 + 0.5 * up),
         ]
         forms.append(lock(scalp, course, 15.5, 7, widest=0.42, start=0.35, end=0.06, rows=18))
     return forms
@@ -129,7 +129,7 @@ def _hair(neutral: Head) -> Solid:
 
 def _dress(neutral: Head) -> Sequence[Solid]:
     return (
-        *pair(ear(EarShape(height=25, width=14.5, root=(69, 9, -31)), _SKIN, (0.62, 0.28, 0.22))),
+        *pair(ear(EarShape(height=25, width=14.5, root=(70, 11, -24)), _SKIN, (0.62, 0.28, 0.22))),
         _hair(neutral),
         bust((0.78, 0.30, 0.22), (0.85, 0.38, 0.28)),
     )
