@@ -136,7 +136,8 @@ def test_edges_are_smooth(renderer: Renderer, toy_face: Character) -> None:
     small = renderer.render(toy_face.face.vertices, camera).astype(float)
     fine = renderer.render(toy_face.face.vertices, replace(camera, size=(256, 256)))
     mean = fine.reshape(64, 4, 64, 4, 3).mean(axis=(1, 3))
-    assert np.abs(small - mean).mean() < 2.5
+    # One sample a pixel gives 1.26.
+    assert np.abs(small - mean).mean() < 0.8
 
 
 def test_a_vertex_that_is_nowhere_is_refused(renderer: Renderer, toy_face: Character) -> None:
