@@ -12,7 +12,8 @@ from types import MappingProxyType
 from typing import Protocol
 
 from mien.face.character import Character
-from mien.mapping.joint import JointMapper, Settings
+from mien.mapping.joint import JointMapper
+from mien.mapping.settings import Settings
 from mien.performance.curves import Curves
 from mien.performance.performance import Performance
 

@@ -8,53 +8,22 @@ cardinal pull it is bounded least squares.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.errors import InputError
 from mien.face.character import Character
 from mien.face.pieces import split
 from mien.mapping.examples import measure_examples
 from mien.mapping.lids import SCALARS, find_lids
-from mien.mapping.programme import Programme, Terms
+from mien.mapping.programme import Programme
 from mien.mapping.regional import RegionalCardinal
+from mien.mapping.settings import Settings
 from mien.mapping.sight import compare
 from mien.performance.curves import Curves
 from mien.performance.performance import Performance
 
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True, slots=True)
-class Settings:
-    """How a performance is mapped. Ridges and pulls are in units of the noise's variance."""
-
-    examples: str = "character"
-    """Source examples: "character" (measured on itself) or "generic" (of the same names)."""
-    gain: float = 1.0
-    """Exaggeration: the motion is multiplied by it before it is mapped."""
-    coupling: float = 2.0
-    """Pull to the cardinal weights; 0 for bounded least squares."""
-    ridge: float = 0.3
-    """Pull to rest."""
-    thrift: float = 0.45
-    """Standard errors by which a piece must show before it moves at all. Weights cannot be
-    negative, so noise does not cancel: without this many small wrong pieces pile up."""
-    balance: float = 10.0
-    """Pull of the left and right piece of a key model to each other."""
-    kinship: float = 10.0
-    """Pull of the pieces of a key model in all regions to each other: it decides what one region
-    alone cannot tell (the brows of fear are half the brows of surprise)."""
-    linear_ridge: float = 5.0
-    """Ridge of the cardinal functions' linear part."""
-    bound: float = 1.15
-    """Largest weight (times the gain where that exceeds 1)."""
-
-    def __post_init__(self) -> None:
-        if not (np.isfinite(self.gain) and 0.0 <= self.gain <= 10.0):
-            raise InputError(f"gain {self.gain} cannot be used; choose from 0 to 10")
 
 
 _CHUNK = 128
@@ -84,7 +53,7 @@ class JointMapper:
         self._fields = self.rows(self.examples.pieces)
         self._lids = find_lids(character, self.pieces)
         self._programme = Programme(
-            self._fields, self.rows.precision, self.pieces, self.cardinal, self._terms()
+            self._fields, self.rows.precision, self.pieces, self.cardinal, self.settings
         )
 
     def __call__(self, performance: Performance) -> Curves:
@@ -126,18 +95,6 @@ class JointMapper:
         """(F, K) weights of the character's examples, the means of their pieces' (F, W)."""
         own = self.examples.owner[:, None] == np.arange(len(self.character.examples))
         return np.asarray(weights @ (own / np.maximum(own.sum(axis=0), 1)))
-
-    def _terms(self) -> Terms:
-        settings = self.settings
-        return Terms(
-            coupling=settings.coupling,
-            ridge=settings.ridge,
-            thrift=settings.thrift,
-            balance=settings.balance,
-            kinship=settings.kinship,
-            fill=settings.linear_ridge,
-            bound=settings.bound * max(settings.gain, 1.0),
-        )
 
     def _read(self, performance: Performance, part: slice) -> tuple[Array, Array]:
         """Motion (F, Q, 3) of the compared rows, exaggerated, and the unseen directions."""

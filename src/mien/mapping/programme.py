@@ -10,13 +10,12 @@ over feature points and spans; e_i is the standard error of w_i alone, face on a
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
 from mien.face.pieces import Pieces
 from mien.mapping.regional import RegionalCardinal
+from mien.mapping.settings import Settings
 from mien.mapping.sight import Sight, seen
 from mien.numeric.qp import solve_boxes
 
@@ -28,26 +27,6 @@ _FIRM = 1e-9
 """Part of the largest curvature that is added to all, so that the minimum is always unique."""
 
 
-@dataclass(frozen=True, slots=True)
-class Terms:
-    """Weights of the terms, in units of the noise's variance."""
-
-    coupling: float
-    """Pull to the cardinal weights; 0 for bounded least squares alone."""
-    ridge: float
-    """Pull to rest."""
-    thrift: float
-    """Standard errors by which a piece must show before it moves at all."""
-    balance: float
-    """Pull of the left and right piece of a key model to each other."""
-    kinship: float
-    """Pull of all regions' pieces of a key model, on one side, to their mean."""
-    fill: float
-    """Ridge by which the unseen part of the motion is guessed for the cardinal weights."""
-    bound: float
-    """Largest weight."""
-
-
 class Programme:
     """Solves for the weights of W pieces, frame by frame."""
 
@@ -57,18 +36,18 @@ class Programme:
         precision: Array,
         pieces: Pieces,
         cardinal: RegionalCardinal,
-        terms: Terms,
+        settings: Settings,
     ) -> None:
         """``fields`` (W, Q, 3) motion of each piece, ``precision`` (Q, 3)."""
         self._fields = fields
         self._sight = Sight(fields, precision)
         self._cardinal = cardinal
-        self._terms = terms
+        self._settings = settings
         certainty = np.sqrt((fields**2 * precision).sum(axis=(1, 2)))
-        self._threshold = terms.thrift * certainty
-        pull = terms.balance * _pull_together(pieces.key, pieces.region)
-        pull += terms.kinship * _pull_together(pieces.key, pieces.side)
-        self._prior = pull + (terms.ridge + terms.coupling) * np.eye(len(fields))
+        self._threshold = settings.thrift * certainty
+        pull = settings.balance * _pull_together(pieces.key, pieces.region)
+        pull += settings.kinship * _pull_together(pieces.key, pieces.side)
+        self._prior = pull + (settings.ridge + settings.coupling) * np.eye(len(fields))
 
     def solve(self, motion: Array, unseen: Array) -> Array:
         """Weights (F, W) of all pieces for ``motion`` (F, Q, 3) mm, of which nothing is known
@@ -79,20 +58,20 @@ class Programme:
         onto = self._sight.onto(motion, sight)
         belief = _belief(unseen)
         linear = self._threshold - onto * belief[:, None]
-        if self._terms.coupling:
+        if self._settings.coupling:
             whole = self._fill(motion, unseen, sight, gram, onto)
-            linear -= self._terms.coupling * self._cardinal(whole)
+            linear -= self._settings.coupling * self._cardinal(whole)
         hessian = gram * belief[: len(gram), None, None] + self._prior
         size = len(self._fields)
         hessian[:, np.arange(size), np.arange(size)] += _FIRM * hessian.max(axis=(1, 2))[:, None]
-        return solve_boxes(hessian, linear, np.zeros(size), np.full(size, self._terms.bound))
+        return solve_boxes(hessian, linear, np.zeros(size), np.full(size, self._settings.largest))
 
     def _fill(self, motion: Array, unseen: Array, sight: Array, gram: Array, onto: Array) -> Array:
         """``motion`` with its unseen part as the pieces that explain the seen part would have
         it, by ridge least squares: the cardinal functions need all three coordinates."""
         if not unseen.any():
             return motion
-        ridge = max(self._terms.fill, _FIRM * float(gram.max()))
+        ridge = max(self._settings.linear_ridge, _FIRM * float(gram.max()))
         weights = np.linalg.solve(gram + ridge * np.eye(len(self._fields)), onto[..., None])[..., 0]
         guess = (weights @ self._fields.reshape(len(self._fields), -1)).reshape(motion.shape)
         depth = (guess * unseen[:, None]).sum(axis=-1, keepdims=True)

@@ -35,7 +35,7 @@ LIVE = Smoothing(
 )
 """Causal: a blink keeps nine tenths of its peak at 30 frames a second."""
 OFFLINE = Smoothing(
-    weights=OneEuro(1.0, 5.0, 3.0),
+    weights=OneEuro(1.0, 15.0, 3.0),
     rotation=OneEuro(1.0, 10.0, 3.0),
     translation=OneEuro(1.0, 0.05, 3.0),
     gaze=OneEuro(1.0, 5.0, 3.0),

@@ -1,0 +1,44 @@
+"""How a performance is mapped."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from mien.errors import InputError
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """Ridges and pulls are in units of the noise's variance, thrift in its standard errors."""
+
+    examples: str = "character"
+    """Source examples: "character" (measured on itself) or "generic" (of the same names)."""
+    gain: float = 1.0
+    """Exaggeration: the motion is multiplied by it before it is mapped."""
+    coupling: float = 2.0
+    """Pull to the cardinal weights; 0 for bounded least squares."""
+    ridge: float = 0.3
+    """Pull to rest."""
+    thrift: float = 0.5
+    """Standard errors by which a piece must show before it moves at all. Weights cannot be
+    negative, so noise does not cancel: without this many small wrong pieces pile up."""
+    balance: float = 10.0
+    """Pull of the left and right piece of a key model to each other."""
+    kinship: float = 10.0
+    """Pull of the pieces of a key model in all regions to each other: it decides what one region
+    alone cannot tell (the brows of fear are half the brows of surprise)."""
+    linear_ridge: float = 5.0
+    """Ridge of the cardinal functions' linear part."""
+    bound: float = 1.15
+    """Largest weight, at a gain of 1 or less."""
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.gain) and 0.0 <= self.gain <= 10.0):
+            raise InputError(f"gain {self.gain} cannot be used; choose from 0 to 10")
+
+    @property
+    def largest(self) -> float:
+        """Largest weight: an exaggerated face may go further."""
+        return self.bound * max(self.gain, 1.0)
