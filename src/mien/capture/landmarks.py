@@ -58,10 +58,11 @@ SPANS = (
 class Calibration:
     """What is known of a performer and the camera."""
 
-    neutral: Array
-    """(N, 3) mm, head frame, of the tracked landmarks."""
+    model: Array
+    """(N, 3) mm, head frame: the tracked landmarks of the face that is fitted."""
     offset: Array
-    """(N, 3) mm, what the neutral frames still show as motion: the network's constant error."""
+    """(N, 3) mm, what the neutral frames still show as motion against ``model``: the network's
+    constant error. The performer's neutral is ``model + offset``."""
     lids: lids.LidRange
     gaze: Array
     """(2, 2) raw gaze at rest."""
@@ -99,8 +100,8 @@ def calibrate(
     place = refine(own_neutral(points[rest], ground), directions[chosen], ground)
     offset = np.median(_read(place, directions[rest], ground)[1], axis=0)
     fit, motion = _read(place, directions[chosen], ground)
-    lifted = place + motion - offset
-    at_rest = place + _read(place, directions[rest], ground)[1] - offset
+    lifted = place + motion
+    at_rest = place + _read(place, directions[rest], ground)[1]
     return Calibration(
         place,
         offset,
@@ -114,17 +115,16 @@ def perform(track: LandmarkTrack, known: Calibration, ground: Ground, source: st
     """Read every frame of ``track`` against what is known of the performer."""
     seen = np.flatnonzero(~track.lost)
     directions = rays(track, known.focal)[seen]
-    fit, motion = _read(known.neutral, directions, ground)
-    motion -= known.offset
-    lifted = known.neutral + motion
+    fit, motion = _read(known.model, directions, ground)
+    lifted = known.model + motion
     facing = _facing(fit)
-    closure = lids.closures(lids.openings(lifted, known.neutral), known.lids, facing[:, 0])
+    closure = lids.closures(lids.openings(lifted, known.model), known.lids, facing[:, 0])
     hold = _hold(track.lost)
     return Performance(
         points=POINTS,
-        neutral=known.neutral[_POINT_ROWS],
+        neutral=(known.model + known.offset)[_POINT_ROWS],
         time=track.time,
-        motion=(motion[:, _POINT_ROWS] * GAIN[:, None])[hold],
+        motion=((motion - known.offset)[:, _POINT_ROWS] * GAIN[:, None])[hold],
         sigma=np.repeat(SIGMA[:, None], 3, axis=1),
         rotation=(WORLD_FROM_CAMERA @ fit.rotation)[hold],
         translation=(fit.translation @ WORLD_FROM_CAMERA)[hold],
@@ -139,9 +139,9 @@ def perform(track: LandmarkTrack, known: Calibration, ground: Ground, source: st
     )
 
 
-def _read(neutral: Array, directions: Array, ground: Ground) -> tuple[HeadFit, Array]:
-    fit = fit_heads(head_model(neutral, ground), directions[:, _FACE_ROWS])
-    return fit, motion_from_neutral(neutral, directions, fit)
+def _read(place: Array, directions: Array, ground: Ground) -> tuple[HeadFit, Array]:
+    fit = fit_heads(head_model(place, ground), directions[:, _FACE_ROWS])
+    return fit, motion_from_neutral(place, directions, fit)
 
 
 def _facing(fit: HeadFit) -> Array:
@@ -152,7 +152,7 @@ def _facing(fit: HeadFit) -> Array:
 
 def _confidence(known: Calibration, directions: Array, fit: HeadFit, ground: Ground) -> Array:
     """(F,) 1 where the points lie as a face can, falling with what no face explains (mm rms)."""
-    model = head_model(known.neutral, ground)
+    model = head_model(known.model, ground)
     residual, _ = linearize(
         model, directions[:, _FACE_ROWS], fit.rotation, fit.translation, fit.weights
     )

@@ -34,8 +34,10 @@ WINDOW = 15
 
 _SAMPLES = 200
 """Frames of a take that are looked at to calibrate it; more change nothing but the time."""
-_DEPTH_SIGMA = 3.0
-"""mm, how wrong a point of the network's neutral may be."""
+_BONE_SIGMA = 3.0
+"""mm, how wrong a point over bone may be in the network's neutral; other views settle it."""
+_SOFT_SIGMA = (0.3, 0.3, 0.7)
+"""mm along x, y, z for all others: expressions move them and must not pass for another neutral."""
 _INDEPENDENT = 60.0
 """Frames of a take that count as independent observations: neighbours repeat each other's bias."""
 
@@ -45,6 +47,8 @@ a wrong one makes eyes roll as the head turns."""
 
 _RIGID_ROWS = np.array([ROW[i] for i in RIGID])
 _MESH_ROWS = np.array([row for i, row in ROW.items() if i < FACE_LANDMARKS])
+_PRECISION = np.tile(1.0 / np.array(_SOFT_SIGMA) ** 2, (len(_MESH_ROWS), 1))
+_PRECISION[_RIGID_ROWS] = 1.0 / _BONE_SIGMA**2
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,7 +117,7 @@ def _correction(model: HeadModel, rays: Array, fit: HeadFit, share: float) -> Ar
     slope = rays[..., None] * fit.rotation[:, None, 2:] - fit.rotation[:, None, :2]
     normal = np.einsum("fn,fnai,fnaj->nij", trust, slope, slope)
     right = -np.einsum("fn,fnai,fna->ni", trust, slope, residual)
-    step = np.linalg.solve(normal + np.eye(3) / _DEPTH_SIGMA**2, right[..., None])
+    step = np.linalg.solve(normal + _PRECISION[:, None] * np.eye(3), right[..., None])
     return np.asarray(step[..., 0])
 
 
