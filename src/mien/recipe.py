@@ -8,7 +8,7 @@ from typing import TypeVar
 
 from mien.capture import CAPTURES, CaptureSettings
 from mien.capture.shapes import motion_from_shapes
-from mien.errors import InputError
+from mien.errors import InputError, NoFaceError
 from mien.face.character import Character
 from mien.face.library import generic_face, load_character
 from mien.formats.livelink import read_livelink, write_livelink
@@ -51,6 +51,7 @@ def capture(
     start: float | None = None,
     end: float | None = None,
     mirror: bool = False,
+    rate: float | None = None,
     neutral: tuple[float, float] | None = None,
     focal: float | None = None,
     progress: Progress | None = None,
@@ -58,16 +59,20 @@ def capture(
     """What the performer in a recording did.
 
     ``path`` names a video, a folder of images or "camera:0"; ``start`` and ``end`` cut it, in
-    seconds; ``mirror`` undoes a selfie's flip; ``neutral`` (first, last) names the seconds in
-    which the face rests (found otherwise); ``focal`` is the camera's focal length in pixels.
+    seconds; ``mirror`` undoes a selfie's flip; ``rate`` is frames a second of a folder of images
+    (30); ``neutral`` (first, last) names the seconds in which the face rests (found otherwise);
+    ``focal`` is the camera's focal length in pixels.
     ``progress`` is called with frames done and frames expected (None: unknown).
     Raises InputError, FormatError, NoFaceError, MissingExtraError.
     """
     way = _choose(CAPTURES, method, "capture")
-    source = open_source(path, start, end, mirror)
+    source = open_source(path, start, end, mirror, rate)
     count = source.count
     told = None if progress is None else (lambda done: progress(done, count))
-    return way(source, CaptureSettings(neutral, focal), source.name, told)
+    try:
+        return way(source, CaptureSettings(neutral, focal), source.name, told)
+    except NoFaceError as error:
+        raise NoFaceError(f"{source.name}: {error}") from error
 
 
 def load_performance(path: str | Path) -> Performance:
@@ -113,18 +118,19 @@ def film(
     start: float | None = None,
     end: float | None = None,
     mirror: bool = False,
+    rate: float | None = None,
     progress: Progress | None = None,
 ) -> None:
     """Write an MP4 of up to four characters and what they do, beside the performer.
 
-    ``take``, ``start``, ``end`` and ``mirror`` as given to ``capture``; without ``take``, or from a
-    camera, the characters are alone. Raises InputError, FormatError, OutputError.
+    ``take``, ``start``, ``end``, ``mirror`` and ``rate`` as given to ``capture``; without ``take``,
+    or from a camera, the characters are alone. Raises InputError, FormatError, OutputError.
     """
     from mien.view.preview import preview  # only films need the renderer and its compiler
 
     performer = sound = None
     if take is not None and not str(take).startswith("camera:"):
-        performer = open_source(take, start, end, mirror)
+        performer = open_source(take, start, end, mirror, rate)
         if isinstance(performer, Video):
             sound = Sound(performer.path, performer.begin)
     frames: Iterable[Frame] = preview(acts, performer)

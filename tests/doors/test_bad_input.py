@@ -52,6 +52,7 @@ def test_a_take_that_cannot_be_used(tmp_path: Path, content: str, told: str) -> 
         write_video(path, noise(1 if content == "one frame" else 5))
     said = error_line(mien("animate", path, "-o", "out", cwd=tmp_path))
     assert told in said
+    assert "take.mp4" in said
     assert [found.name for found in tmp_path.iterdir()] == ["take.mp4"]
 
 
@@ -86,6 +87,7 @@ def test_a_disk_that_fills_up(captured: Path, tmp_path: Path) -> None:
         (("-c", "man", "-c", "man"), "twice"),
         (("-f", "fbx"), "fbx"),
         (("--start", "3", "--end", "2"), "--start"),
+        (("--rate", "25"), "--rate 25"),
         (("--capture", "telepathy"), "telepathy"),
     ],
 )

@@ -175,6 +175,7 @@ def _film(options: argparse.Namespace, acts: list[tuple[Character, Curves]], pat
             start=options.start,
             end=options.end,
             mirror=options.mirror,
+            rate=options.rate,
             progress=told,
         )
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from mien.performance.performance import Performance
 
 TAKES = "a video, a folder of images, camera:0 (with --end), a .mien file or a Live Link Face .csv"
-CUT_OPTIONS = ("start", "end", "mirror", "neutral", "focal")
+CUT_OPTIONS = ("start", "end", "mirror", "rate", "neutral", "focal")
 """Options that say how a recording is looked at."""
 
 
@@ -47,6 +47,12 @@ def add_cut_options(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--mirror", action="store_true", help="the take is a selfie's mirror image: turn it back"
+    )
+    parser.add_argument(
+        "--rate",
+        type=positive,
+        metavar="FPS",
+        help="frames a second of a folder of images (default: 30); videos tell their own",
     )
     parser.add_argument(
         "--neutral",
@@ -97,6 +103,7 @@ def performance_of(options: argparse.Namespace) -> Performance:
             start=options.start,
             end=options.end,
             mirror=options.mirror,
+            rate=options.rate,
             neutral=options.neutral,
             focal=options.focal,
             progress=told,

@@ -23,7 +23,7 @@ class KeyModels:
         """(V, 3) displacement of one key model. Raises KeyError."""
         if name not in self.names:
             raise KeyError(name)
-        return self.displacements[self.names.index(name)]
+        return np.asarray(self.displacements[self.names.index(name)])
 
 
 @dataclass(frozen=True, slots=True)

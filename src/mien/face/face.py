@@ -59,7 +59,8 @@ class FeaturePoints:
     def at(self, vertices: Array) -> Array:
         """Places (..., P, 3) of the points on ``vertices`` (..., V, 3); linear, so it maps
         displacement fields as well as positions."""
-        return np.einsum("...pcx,pc->...px", vertices[..., self.vertices, :], self.weights)
+        corners = vertices[..., self.vertices, :]
+        return np.asarray(np.einsum("...pcx,pc->...px", corners, self.weights))
 
     def index(self, ids: Sequence[str]) -> NDArray[np.intp]:
         """Row of each of ``ids``. Raises KeyError for a point that is not here."""
@@ -101,4 +102,4 @@ class Face:
 
     def point(self, fdp: str) -> Array:
         """(3,) neutral place of one feature point. Raises KeyError."""
-        return self.points.at(self.vertices)[self.points.index([fdp])[0]]
+        return np.asarray(self.points.at(self.vertices)[self.points.index([fdp])[0]])

@@ -48,7 +48,7 @@ class Cut:
     """Seconds from its first picture, or infinity."""
     mirror: bool
     """Undo the flip of a selfie take."""
-    rate: float
+    rate: float | None
     """Frames a second where the recording cannot tell: a folder of images."""
 
 
@@ -62,7 +62,7 @@ def _camera(name: str, cut: Cut) -> Source:
 
 
 def _folder(name: str, cut: Cut) -> Source:
-    return open_images(Path(name), cut.start, cut.end, cut.mirror, cut.rate)
+    return open_images(Path(name), cut.start, cut.end, cut.mirror, cut.rate or 30.0)
 
 
 def _video(name: str, cut: Cut) -> Source:
@@ -81,21 +81,24 @@ def open_source(
     start: float | None = None,
     end: float | None = None,
     mirror: bool = False,
-    rate: float = 30.0,
+    rate: float | None = None,
 ) -> Source:
     """Open a video file, a folder of images or "camera:0".
 
     ``start`` and ``end`` are seconds; ``mirror`` flips the pictures of a selfie take; ``rate`` is
-    for folders of images, which do not tell theirs. Raises InputError, FormatError.
+    for folders of images, which do not tell theirs (30). Raises InputError, FormatError.
     """
     cut = Cut(start or 0.0, inf if end is None else end, mirror, rate)
     if not (0.0 <= cut.start < cut.end):
         raise InputError(
             f"--start {cut.start:g} --end {cut.end:g}: need 0 <= start < end, in seconds"
         )
-    if not 0.0 < rate <= 1000.0:
-        raise InputError(f"rate {rate:g}: frames a second, above 0 and up to 1000")
-    return SOURCES[kind(path)](str(path), cut)
+    name = kind(path)
+    if rate is not None and (name != "folder" or not 0.0 < rate <= 1000.0):
+        raise InputError(
+            f"--rate {rate:g}: frames a second of a folder of images, above 0 and up to 1000"
+        )
+    return SOURCES[name](str(path), cut)
 
 
 def kind(path: str | Path) -> str:
