@@ -46,7 +46,7 @@ GAIN = _by_region(lips=1.15, brows=1.6, cheeks=1.6, nose=1.6, chin=1.6, lids=1.0
 """(P,) the network under-reports motion, each region by its own factor; this undoes it."""
 SPANS = (
     *(
-        Span(upper, lower, 1, 0.4)
+        Span(upper, lower, 1, 0.2)
         for upper, lower in (("2.2", "2.3"), ("2.6", "2.8"), ("2.7", "2.9"))
     ),
     Span("8.3", "8.4", 0, 0.7),
