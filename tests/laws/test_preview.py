@@ -30,6 +30,14 @@ def test_performer_and_characters_share_a_frame(
         assert (frame.image[:, : size[0] * 16 // 9] == 10 * i).all()
 
 
+def test_a_very_wide_picture_does_not_make_a_very_wide_film(toy_face: Character) -> None:
+    wide = [Frame(np.full((20, 8000, 3), 200, dtype=np.uint8), 0.0)]
+    (frame,) = preview([(toy_face, toy_curves(toy_face, 1))], wide)
+    assert frame.image.shape == (540, 1296 + 540, 3)
+    assert (frame.image[269, :1296] == 200).all()
+    assert (frame.image[0, :1296] < 50).all()
+
+
 def test_characters_act_without_a_performer(toy_face: Character) -> None:
     curves = toy_curves(toy_face, 6)
     film = list(preview([(toy_face, curves)], threads=1))

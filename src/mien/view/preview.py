@@ -28,6 +28,8 @@ _ALONE = 540
 """The same where there is only one."""
 _AHEAD = 4
 """Frames that wait at most: memory does not grow with the take."""
+_WIDEST = 2.4
+"""Width over height of the performer's picture, at most."""
 _CURTAIN = 24
 """Grey behind what does not fill its cell."""
 
@@ -81,9 +83,15 @@ def _rows(count: int) -> int:
 
 
 def _scaled(image: Picture, height: int) -> Picture:
+    """The performer at the height of the film; a very wide picture lies between curtains."""
     picture = Image.fromarray(image)
-    width = max(2, round(picture.width * height / picture.height))
-    return np.asarray(picture.resize((width, height), Image.Resampling.BILINEAR, reducing_gap=2.0))
+    scale = min(height / picture.height, _WIDEST * height / picture.width)
+    size = (max(1, round(picture.width * scale)), max(1, round(picture.height * scale)))
+    shown = np.asarray(picture.resize(size, Image.Resampling.BILINEAR, reducing_gap=2.0))
+    film = np.full((height, size[0], 3), _CURTAIN, dtype=np.uint8)
+    top = (height - size[1]) // 2
+    film[top : top + size[1]] = shown
+    return film
 
 
 def _composed(time: float, drawn: list[Future[Picture]], actors: int) -> Frame:
