@@ -18,6 +18,10 @@ Array = NDArray[np.float64]
 Floats = NDArray[np.float32]
 Ints = NDArray[np.int32]
 
+# Python's checks of divisors would be branches, and keep the compiler from vector instructions.
+_kernel = njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
+_inlined = njit(cache=True, nogil=True, fastmath=True, error_model="numpy", forceinline=True)
+
 DIRECTIONS = np.array(
     [[-0.55, 0.65, 0.75], [0.80, 0.15, 0.60], [0.75, 0.35, -0.75], [-0.80, 0.45, -0.65]]
 )
@@ -70,7 +74,7 @@ def tone_table() -> Floats:
     return np.asarray(255.0 * encode_srgb(filmic), dtype=np.float32)
 
 
-@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
+@_kernel
 def shade(
     ids: Ints,
     nearness: Floats,
@@ -136,7 +140,7 @@ def shade(
                 filled = np.int64(0)
 
 
-@njit(cache=True, nogil=True, fastmath=True, error_model="numpy", forceinline=True)
+@_inlined
 def _depth(nearness: Floats, left: int, top: int) -> np.float32:
     """Difference of nearness in the four samples of a pixel."""
     a, b = nearness[top, left], nearness[top, left + 1]
@@ -144,7 +148,7 @@ def _depth(nearness: Floats, left: int, top: int) -> np.float32:
     return np.float32(max(a, b, c, d) - min(a, b, c, d))
 
 
-@njit(cache=True, nogil=True, fastmath=True, error_model="numpy", forceinline=True)
+@_inlined
 def _alike(triangles: Ints, material_of: Ints, vertex: Floats, t: int, other: int) -> bool:
     """Whether two triangles may be taken for one surface of one colour."""
     i, j = triangles[t, 0], triangles[other, 0]
@@ -156,7 +160,7 @@ def _alike(triangles: Ints, material_of: Ints, vertex: Floats, t: int, other: in
     return bool(difference < _CONTRAST)
 
 
-@njit(cache=True, nogil=True, fastmath=True, error_model="numpy", forceinline=True)
+@_inlined
 def _gather(
     block: Floats,
     slot: np.int64,
@@ -174,7 +178,10 @@ def _gather(
     bx, by = vertex[j, 0] - ax, vertex[j, 1] - ay
     cx, cy = vertex[k, 0] - ax, vertex[k, 1] - ay
     dx, dy = np.float32(px) - ax, np.float32(py) - ay
-    scale = one / (bx * cy - by * cx)
+    area = bx * cy - by * cx
+    # Open sheets are seen from behind too, and then face the other way (y runs down).
+    side = np.float32(-1.0) if area > 0.0 else one
+    scale = one / area
     v = min(one, max(np.float32(0.0), (dx * cy - dy * cx) * scale))
     w = min(one - v, max(np.float32(0.0), (bx * dy - by * dx) * scale))
     u = (one - v - w) * vertex[i, 2]
@@ -190,7 +197,7 @@ def _gather(
         block[_SX + c * _BLOCK + slot] = (
             u * vertex[i, SHADOW + c] + v * vertex[j, SHADOW + c] + w * vertex[k, SHADOW + c]
         )
-        block[_NX + c * _BLOCK + slot] = (
+        block[_NX + c * _BLOCK + slot] = side * (
             u * vertex[i, NORMAL + c] + v * vertex[j, NORMAL + c] + w * vertex[k, NORMAL + c]
         )
         block[_R + c * _BLOCK + slot] = (
@@ -201,7 +208,7 @@ def _gather(
         )
 
 
-@njit(cache=True, nogil=True, fastmath=True, error_model="numpy", forceinline=True)
+@_inlined
 def _dress(block: Floats, slot: np.int64, kind: int, materials: Floats, share: float) -> None:
     block[_ALPHA + slot] = materials[kind, ROUGHNESS] * materials[kind, ROUGHNESS]
     block[_F0 + slot] = materials[kind, REFLECTANCE]
@@ -210,14 +217,15 @@ def _dress(block: Floats, slot: np.int64, kind: int, materials: Floats, share: f
     block[_SHARE + slot] = share
 
 
-@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
+@_kernel
 def _expose(block: Floats, count: np.int64, lights: Floats, shadow: Floats) -> None:
     """Find how much of the key light reaches gathered samples."""
     zero, one = np.float32(0.0), np.float32(1.0)
     kx, ky, kz = lights[0, 0], lights[0, 1], lights[0, 2]
     for s in range(count):
         nx, ny, nz = block[_NX + s], block[_NY + s], block[_NZ + s]
-        steep = (nx * kx + ny * ky + nz * kz) / np.sqrt(nx * nx + ny * ny + nz * nz)
+        length = np.sqrt(nx * nx + ny * ny + nz * nz + np.float32(1e-12))
+        steep = (nx * kx + ny * ky + nz * kz) / length
         if steep < np.float32(-0.45):
             block[_LIT + s] = zero
             continue
@@ -226,7 +234,7 @@ def _expose(block: Floats, count: np.int64, lights: Floats, shadow: Floats) -> N
         block[_LIT + s] = _lit(shadow, block[_SX + s], block[_SY + s], block[_SZ + s] + bias)
 
 
-@njit(cache=True, nogil=True, fastmath=True, error_model="numpy", forceinline=True)
+@_inlined
 def _lit(shadow: Floats, x: np.float32, y: np.float32, depth: np.float32) -> np.float32:
     """Share of the key light that reaches a place: 5 x 5 comparisons, bilinear at the border."""
     one = np.float32(1.0)
@@ -261,7 +269,7 @@ def _lit(shadow: Floats, x: np.float32, y: np.float32, depth: np.float32) -> np.
     return total * np.float32(0.04)
 
 
-@njit(cache=True, nogil=True, fastmath=True, error_model="numpy", forceinline=True)
+@_inlined
 def _highlight(
     n_l: np.float32,
     n_v: np.float32,
@@ -282,7 +290,7 @@ def _highlight(
     return min(np.float32(6.0), square * fresnel * n_l / (np.float32(4.0) * d * d * seen))
 
 
-@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
+@_kernel
 def _light(block: Floats, count: np.int64, rays: Floats, lights: Floats, sent: Floats) -> None:
     """What light gathered samples send to the camera, into ``sent``, three rows like a block's."""
     zero, one = np.float32(0.0), np.float32(1.0)
@@ -304,11 +312,7 @@ def _light(block: Floats, count: np.int64, rays: Floats, lights: Floats, sent: F
         nx, ny, nz = nx * scale, ny * scale, nz * scale
         scale = one / np.sqrt(vx * vx + vy * vy + vz * vz + tiny)
         vx, vy, vz = vx * scale, vy * scale, vz * scale
-        n_v = nx * vx + ny * vy + nz * vz
-        # Open sheets are seen from behind too; a smooth normal that only dips under the horizon
-        # of its own front must not flip.
-        side = np.float32(-1.0) if n_v < np.float32(-0.25) else one
-        nx, ny, nz, n_v = nx * side, ny * side, nz * side, max(n_v * side, np.float32(0.02))
+        n_v = max(nx * vx + ny * vy + nz * vz, np.float32(0.02))
         alpha, f0, skin = block[_ALPHA + s], block[_F0 + s], block[_SKIN + s]
         lit, glow, open_ = block[_LIT + s], block[_GLOWS + s], block[_OG + s]
 
@@ -346,7 +350,7 @@ def _light(block: Floats, count: np.int64, rays: Floats, lights: Floats, sent: F
             sent[c * _BLOCK + s] = colour * light + shine
 
 
-@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
+@_kernel
 def _develop(
     block: Floats, sent: Floats, pixel_of: Ints, count: np.int64, tone: Floats, picture: Floats
 ) -> None:
