@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import fields, replace
 
 import numpy as np
@@ -58,6 +59,15 @@ def test_frames_map_alone_as_in_a_take(man: Character, mapping: str, lids: bool)
         one = mapper(frame(take, i))
         assert np.abs(one.weights[0] - whole.weights[i]).max() < 1e-6
         assert one.residual[0] == pytest.approx(whole.residual[i], abs=1e-6)
+
+
+def test_threads_do_not_meet(man: Character) -> None:
+    take = mixed(man, 60)
+    mapper = JointMapper(man, take)
+    alone = mapper(take).weights
+    with ThreadPoolExecutor(4) as pool:
+        for curves in pool.map(mapper, [take] * 12):
+            assert (curves.weights == alone).all()
 
 
 @pytest.mark.parametrize("name", CHARACTERS)

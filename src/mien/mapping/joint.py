@@ -53,7 +53,12 @@ class JointMapper:
         self._fields = self.rows(self.examples.pieces)
         self._lids = find_lids(character, self.pieces)
         self._programme = Programme(
-            self._fields, self.rows.precision, self.pieces, self.cardinal, self.settings
+            self._fields,
+            self.rows.precision,
+            len(self.rows.points),
+            self.pieces,
+            self.cardinal,
+            self.settings,
         )
 
     def __call__(self, performance: Performance) -> Curves:

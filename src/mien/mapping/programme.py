@@ -5,7 +5,8 @@
            + ridge |w|^2 + 2 thrift sum w_i / e_i,     0 <= w <= bound
 
 A the pieces' motion and m the performer's, both without what the camera could not see; q runs
-over feature points and spans; e_i is the standard error of w_i alone, face on and in full view.
+over feature points and spans; e_i is the standard error of w_i alone, from the points in full
+view. (Spans may be so sure that what opens the lips would hardly have to pay.)
 """
 
 from __future__ import annotations
@@ -34,16 +35,18 @@ class Programme:
         self,
         fields: Array,
         precision: Array,
+        points: int,
         pieces: Pieces,
         cardinal: RegionalCardinal,
         settings: Settings,
     ) -> None:
-        """``fields`` (W, Q, 3) motion of each piece, ``precision`` (Q, 3)."""
+        """``fields`` (W, Q, 3) motion of each piece, ``precision`` (Q, 3), the first ``points``
+        rows feature points, the others spans."""
         self._fields = fields
         self._sight = Sight(fields, precision)
         self._cardinal = cardinal
         self._settings = settings
-        certainty = np.sqrt((fields**2 * precision).sum(axis=(1, 2)))
+        certainty = np.sqrt((fields**2 * precision)[:, :points].sum(axis=(1, 2)))
         self._threshold = settings.thrift * certainty
         pull = settings.balance * _pull_together(pieces.key, pieces.region)
         pull += settings.kinship * _pull_together(pieces.key, pieces.side)

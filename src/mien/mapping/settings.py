@@ -24,7 +24,7 @@ class Settings:
     thrift: float = 0.5
     """Standard errors by which a piece must show before it moves at all. Weights cannot be
     negative, so noise does not cancel: without this many small wrong pieces pile up."""
-    balance: float = 10.0
+    balance: float = 15.0
     """Pull of the left and right piece of a key model to each other."""
     kinship: float = 10.0
     """Pull of the pieces of a key model in all regions to each other: it decides what one region
