@@ -21,7 +21,7 @@ class Settings:
     """Pull to the cardinal weights; 0 for bounded least squares."""
     ridge: float = 0.3
     """Pull to rest."""
-    thrift: float = 0.5
+    thrift: float = 0.6
     """Standard errors by which a piece must show before it moves at all. Weights cannot be
     negative, so noise does not cancel: without this many small wrong pieces pile up."""
     balance: float = 15.0
