@@ -21,7 +21,7 @@ from mien.view.renderer import Renderer
 
 Picture = NDArray[np.uint8]
 
-CAMERA = Camera(height=285.0)
+CAMERA = Camera(height=305.0, centre=(0.0, -8.0, -55.0))
 _SIDE = 360
 """Pixels of a character's square."""
 _ALONE = 540
