@@ -140,7 +140,9 @@ def _samples(sound: Sound) -> Generator[tuple[int, NDArray[np.float32]], None, N
     """Stereo samples (2, N) from the start of the take, each with the index of its first."""
     resampler = AudioResampler(format="fltp", layout="stereo", rate=_RATE)
     try:
-        with av.open(f"file:{sound.path}", metadata_errors="replace") as container:
+        with av.open(
+            f"file:{sound.path}", options={"protocol_whitelist": "file"}, metadata_errors="replace"
+        ) as container:
             stream = container.streams.best("audio")
             if not isinstance(stream, AudioStream):
                 return
