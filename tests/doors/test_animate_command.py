@@ -93,3 +93,10 @@ def test_mirror_exchanges_the_sides(take: Path, captured: Path, tmp_path: Path) 
 
     assert left_more_shut(captured) > 0.3
     assert left_more_shut(tmp_path / "m.mien") < -0.3
+
+
+def test_the_demo_needs_nothing_but_mien(tmp_path: Path) -> None:
+    done = mien("demo", "-c", "toy", "--no-preview", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.splitlines()[-1] == "out/demo/toy.glb"
+    assert (tmp_path / "out/demo/toy.glb").stat().st_size > 1000
