@@ -44,7 +44,7 @@ def lip_loops(mouth: MouthShape) -> Array:
     loops = [
         np.stack(
             [
-                ACROSS * (mouth.half_width + 0.9 * k),
+                ACROSS * mouth.half_width * (1 + 0.036 * k),
                 line + height * up + 0.12 * SIDE,
                 depth + full * forward - 0.5 * k * np.abs(ACROSS) ** 6,
             ],

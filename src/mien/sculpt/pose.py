@@ -149,10 +149,10 @@ def _pull_lips(
         if number == 0:
             for ring, share in zip(mesh.bag, _BAG_FOLLOWS, strict=True):
                 handles.add(ring, share * pull, 20.0)
-    skin = 0.55 * middle + corner * [0.75, 0.75, 0.6]
+    skin = 0.55 * middle + corner * [0.8, 0.92, 0.7]
     skin[:, 0] -= 0.5 * places[LIPS[4], 0] * expression.narrow
     skin[:, 2] += 0.45 * expression.pucker * scale
-    handles.add(LIPS[4], gain * skin + 0.7 * aside + 0.6 * closing, 3.0)
+    handles.add(LIPS[4], gain * skin + 0.7 * aside + 0.6 * closing, 6.0)
     under_nose = 0.15 * scale * expression.upper_lip[1] * float(gains(expression, 0.0))
     handles.add([2, 94, 98, 327], (0, under_nose, 0), 1.0)
 
@@ -168,7 +168,7 @@ def _closing(places: Array, neutral: Array) -> Array:
 def _pull_cheeks(handles: Handles, proportions: Proportions, expression: Expression) -> None:
     scale = proportions.mouth.half_width / _MEAN_HALF_WIDTH
     corner = np.array(expression.corner) * scale
-    cheek = np.array(expression.cheek)
+    cheek = proportions.temper.cheeks * np.array(expression.cheek)
     for side in (1, -1):
         gain = _side_gain(expression, side)
         handles.add(_on_side(_CHEEK, side), _push(cheek, side, gain), 1.5)

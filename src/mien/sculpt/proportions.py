@@ -109,6 +109,8 @@ class Temper:
     """How strongly a face acts, next to the generic one."""
 
     brows: float = 1.0
+    cheeks: float = 1.0
+    """Large lids leave cheeks little room to rise."""
     corners_aside: float = 1.0
     lip_thickness: float = 1.0
 

@@ -8,12 +8,13 @@ from mien.sculpt.bust import bust
 from mien.sculpt.cast.human import ball_eyes, pair
 from mien.sculpt.colour import paint_skin
 from mien.sculpt.ears import EarShape, ear
-from mien.sculpt.expressions import ARKIT, KEYS, STARTS, UNITS
+from mien.sculpt.expressions import KEYS
 from mien.sculpt.eyes import Iris
 from mien.sculpt.head import Head
 from mien.sculpt.proportions import Brush, EyeShape, HairLine, HeadShape, MouthShape, Proportions
 from mien.sculpt.sculpture import Sculpture
 from mien.sculpt.solid import Solid
+from mien.sculpt.units import ARKIT, STARTS, UNITS
 
 _SKIN, _BOWL = (0.80, 0.66, 0.58), (0.74, 0.50, 0.44)
 

@@ -12,11 +12,12 @@ from mien.sculpt.bust import bust
 from mien.sculpt.cast.human import ball_eyes, pair
 from mien.sculpt.colour import paint_skin
 from mien.sculpt.ears import EarShape, ear
-from mien.sculpt.expressions import EXAMPLES, KEYS
+from mien.sculpt.expressions import EXAMPLES
 from mien.sculpt.eyes import Iris
 from mien.sculpt.hair import Scalp, cap, curve, lock, shaded
 from mien.sculpt.head import Head
 from mien.sculpt.proportions import Brush, EyeShape, HairLine, HeadShape, MouthShape, Proportions
+from mien.sculpt.repertoire import repertoire
 from mien.sculpt.sculpture import Sculpture
 from mien.sculpt.skin import labels
 from mien.sculpt.solid import Form, Solid, merged
@@ -134,13 +135,19 @@ def _dress(neutral: Head) -> Sequence[Solid]:
     )
 
 
+_KEYS = repertoire(
+    smile={"corner": (8.5, 8.0, -4.5), "cheek": (2.0, 4.0, 4.0)},
+    anger={"brow_inner": (-5.0, -9.5, 3.0), "lid_tilt": -3.0},
+    surprise={"jaw": 13, "blink": -0.3},
+)
+
 MAN = Sculpture(
     name="man",
     proportions=_PROPORTIONS,
     paint=_paint,
     eyes=ball_eyes(Iris((0.16, 0.30, 0.34), (0.42, 0.62, 0.60), 0.54, 0.25)),
     dress=_dress,
-    keys=KEYS,
+    keys=_KEYS,
     examples=EXAMPLES,
     brow=(0.17, 0.10, 0.06),
 )

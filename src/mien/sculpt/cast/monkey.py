@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,8 +19,7 @@ from mien.sculpt.colour import (
     paint_nostrils,
 )
 from mien.sculpt.ears import EarShape, ear
-from mien.sculpt.expression import Expression
-from mien.sculpt.expressions import EXAMPLES, KEYS
+from mien.sculpt.expressions import EXAMPLES
 from mien.sculpt.eyes import Iris
 from mien.sculpt.hair import Scalp, cap, curve, lock, shaded
 from mien.sculpt.head import Head
@@ -34,6 +32,7 @@ from mien.sculpt.proportions import (
     Proportions,
     Temper,
 )
+from mien.sculpt.repertoire import repertoire
 from mien.sculpt.sculpture import Sculpture
 from mien.sculpt.skin import labels
 from mien.sculpt.solid import Form, Solid, merged
@@ -88,7 +87,7 @@ _PROPORTIONS = Proportions(
         tooth_back=14.5,
     ),
     HairLine(brow_up=5.5, brow_width=2.9, brow_height=1.8, brow_between=0.45, lash=1.3),
-    Temper(brows=1.1, corners_aside=0.45, lip_thickness=2.2),
+    Temper(brows=1.15, corners_aside=0.6, lip_thickness=2.2),
 )
 
 
@@ -172,19 +171,29 @@ def _dress(neutral: Head) -> Sequence[Solid]:
     )
 
 
-_KEYS: Mapping[str, Expression] = {
-    **KEYS,
-    # The muzzle stretches over the teeth: lips that go back would let them through.
-    "smile": replace(KEYS["smile"], upper_lip=(0, 0.7, 0.6), lower_lip=(0, 0.5, 1.0)),
-    "pressed": replace(
-        KEYS["pressed"],
-        upper_lip=(0, -0.3, -0.2),
-        lower_lip=(0, 0.2, 0.2),
-        upper_thick=0.75,
-        lower_thick=0.75,
-    ),
-    "disgust": replace(KEYS["disgust"], upper_lip=(0, 4.8, 2.0), jaw=3.0),
-}
+# The muzzle stretches over the teeth: lips that go back would let them through.
+_KEYS = repertoire(
+    smile={"upper_lip": (0, 0.7, 0.6), "lower_lip": (0, 0.65, 1.0)},
+    sad={"corner": (-1.0, -11.0, -1.0)},
+    pressed={
+        "upper_lip": (0, -0.3, -0.2),
+        "lower_lip": (0, 0.2, 0.2),
+        "upper_thick": 0.75,
+        "lower_thick": 0.75,
+    },
+    lips_in={
+        "upper_lip": (0, -0.4, 0),
+        "lower_lip": (0, 0.4, 0),
+        "upper_thick": 0.7,
+        "lower_thick": 0.7,
+    },
+    viseme_p={"upper_lip": (0, -0.3, 0), "lower_lip": (0, 0.2, 0)},
+    disgust={"upper_lip": (0, 4.8, 2.0), "jaw": 3.0},
+    surprise={"narrow": 0.26, "pucker": 6.0},
+    fear={"upper_lip": (0, 2.2, 0), "lower_lip": (0, -1.8, 0)},
+    pucker={"pucker": 9.0},
+    jaw_open={"jaw": 22},
+)
 
 MONKEY = Sculpture(
     name="monkey",

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -11,8 +10,7 @@ from scipy.spatial import cKDTree
 
 from mien.sculpt.bust import bust
 from mien.sculpt.colour import linear, mix, paint_lid_edges, paint_lips, paint_mouth
-from mien.sculpt.expression import Expression
-from mien.sculpt.expressions import EXAMPLES, KEYS
+from mien.sculpt.expressions import EXAMPLES
 from mien.sculpt.eyes import catch_light, gaze_frame
 from mien.sculpt.hair import Scalp, cap, curve, lock
 from mien.sculpt.head import Head
@@ -25,6 +23,7 @@ from mien.sculpt.proportions import (
     Proportions,
     Temper,
 )
+from mien.sculpt.repertoire import repertoire
 from mien.sculpt.sculpture import Sculpture
 from mien.sculpt.skin import labels
 from mien.sculpt.solid import Form, Solid, ball, merged, outward, sheet, tube
@@ -81,7 +80,7 @@ _PROPORTIONS = Proportions(
         tooth_back=13.2,
     ),
     HairLine(brow_up=9.5, brow_width=3.8, brow_height=2.2, lash=0),
-    Temper(brows=1.15),
+    Temper(brows=1.3, cheeks=0.4, lip_thickness=2.0),
 )
 
 
@@ -306,12 +305,17 @@ def _ride(neutral: Head, posed: Head) -> Sequence[Solid]:
     )
 
 
-# Wide-open lids would show where a button ends.
-_KEYS: Mapping[str, Expression] = {
-    **KEYS,
-    "surprise": replace(KEYS["surprise"], blink=-0.2, squint=-0.1),
-    "fear": replace(KEYS["fear"], blink=-0.18),
-}
+# Wide-open lids would show where a button ends, and strong squints crumple the felt.
+_KEYS = repertoire(
+    smile={"corner": (10.0, 11.0, -5.0), "squint": 0.25},
+    sad={"corner": (-1.0, -12.0, -1.0)},
+    pressed={"upper_thick": 0.75, "lower_thick": 0.75},
+    laugh={"squint": 0.35},
+    surprise={"blink": -0.2, "squint": -0.1},
+    fear={"blink": -0.18},
+    disgust={"squint": 0.3},
+    anger={"squint": 0.25, "brow_inner": (-4.5, -10.0, 2.5), "brow_outer": (0, 5.0, 0)},
+)
 
 TOY = Sculpture(
     name="toy",

@@ -10,16 +10,26 @@ from mien.sculpt.bust import bust
 from mien.sculpt.cast.human import ball_eyes, pair
 from mien.sculpt.colour import paint_skin
 from mien.sculpt.ears import EarShape, ear
-from mien.sculpt.expressions import EXAMPLES, KEYS
+from mien.sculpt.expressions import EXAMPLES
 from mien.sculpt.eyes import Iris
 from mien.sculpt.hair import Scalp, cap, curve, lock, shaded
 from mien.sculpt.head import Head
-from mien.sculpt.proportions import Brush, EyeShape, HairLine, HeadShape, MouthShape, Proportions
+from mien.sculpt.proportions import (
+    Brush,
+    EyeShape,
+    HairLine,
+    HeadShape,
+    MouthShape,
+    Proportions,
+    Temper,
+)
+from mien.sculpt.repertoire import repertoire
 from mien.sculpt.sculpture import Sculpture
 from mien.sculpt.solid import Form, Solid, merged
 
 _SKIN = (0.72, 0.47, 0.34)
 _DARK, _LIGHT = (0.075, 0.035, 0.03), (0.30, 0.13, 0.085)
+_SHADOW = (0.15, 0.07, 0.05)
 _PARTING = -16.0
 
 _PROPORTIONS = Proportions(
@@ -60,6 +70,7 @@ _PROPORTIONS = Proportions(
         bend=2.6,
     ),
     HairLine(brow_up=0.5, brow_width=2.6, brow_height=1.3, lash=5.2, lash_width=1.5),
+    Temper(brows=1.1, cheeks=0.7),
 )
 
 
@@ -88,7 +99,7 @@ def _fringe(scalp: Scalp) -> list[Form]:
     for number in range(5):
         q, up = number / 4, 1.8 * (4 - number)
         course = [
-            (_PARTING + 5 - 1.5 * number, 72 - 5 * number, 7 + up),
+            (_PARTING + 5 - 1.5 * number, 72 - 5 * number, 4 + 0.5 * up),
             (_PARTING + 17 + 18 * q, 55 - 5 * q, 17 + up - 3 * q),
             (20 + 34 * q, 34 - 7 * q, 17 + up - 2 * q),
             (46 + 28 * q, 13 - 9 * q, 15.5 + up),
@@ -99,7 +110,7 @@ def _fringe(scalp: Scalp) -> list[Form]:
     for number in range(4):
         q, up = number / 3, 1.8 * (3 - number)
         course = [
-            (_PARTING - 5 - number, 72 - 6 * number, 7 + up),
+            (_PARTING - 5 - number, 72 - 6 * number, 4 + 0.5 * up),
             (_PARTING - 17 - 14 * q, 53 - 2 * q, 16 + up - 2 * q),
             (-45 - 18 * q, 31 - 5 * q, 15.5 + up),
             (-62 - 18 * q, 8, 14.5 + up),
@@ -123,7 +134,8 @@ def _hair(neutral: Head) -> Solid:
         rows=14,
     )
     locks = _curtain(scalp) + _fringe(scalp)
-    colours = [shaded(under, _DARK, _LIGHT, ridge), *(shaded(f, _DARK, _LIGHT) for f in locks)]
+    # The scalp shows at the parting only, in the shadow of the fringe.
+    colours = [shaded(under, _DARK, _SHADOW, ridge), *(shaded(f, _DARK, _LIGHT) for f in locks)]
     return Solid("hair", "hair", *merged([under, *locks]), np.concatenate(colours))
 
 
@@ -134,6 +146,13 @@ def _dress(neutral: Head) -> Sequence[Solid]:
         bust((0.78, 0.30, 0.22), (0.85, 0.38, 0.28)),
     )
 
+
+_KEYS = repertoire(
+    smile={"corner": (10.5, 10.0, -5.0)},
+    surprise={"narrow": 0.2, "pucker": 2.5, "brow_middle": (0, 11.0, 0)},
+    sad={"brow_inner": (-3.0, 9.5, 1.0), "lid_tilt": 3.0},
+    disgust={"nose": 6.0},
+)
 
 WOMAN = Sculpture(
     name="woman",
@@ -148,7 +167,7 @@ WOMAN = Sculpture(
     ),
     eyes=ball_eyes(Iris((0.22, 0.10, 0.05), (0.55, 0.30, 0.12), 0.56, 0.26)),
     dress=_dress,
-    keys=KEYS,
+    keys=_KEYS,
     examples=EXAMPLES,
     brow=(0.10, 0.05, 0.04),
     lash=(0.05, 0.03, 0.03),
