@@ -93,7 +93,7 @@ def calibrate(
     seen = np.flatnonzero(~track.lost)
     points, directions = track.points[seen], rays(track, focal)[seen]
     if neutral is None:
-        rest = find(points, directions, ground)
+        rest = find(track.time[seen], points, directions, ground)
     else:
         rest = _named(track.time[seen], neutral)
     chosen = samples(len(seen))

@@ -29,8 +29,8 @@ Array = NDArray[np.float64]
 PUPIL_DISTANCE = 63.0
 """mm between the pupils: a single camera has no scale, so everybody is given the usual one."""
 
-WINDOW = 15
-"""Frames a neutral is looked for in: half a second."""
+WINDOW = 0.5
+"""Seconds for which a face rests when it rests."""
 
 _SAMPLES = 200
 """Frames of a take that are looked at to calibrate it; more change nothing but the time."""
@@ -126,12 +126,13 @@ def samples(frames: int) -> NDArray[np.intp]:
     return np.arange(0, frames, max(1, -(-frames // _SAMPLES)))
 
 
-def find(points: NDArray[np.float32], rays: Array, ground: Ground) -> slice:
-    """The stretch of a take (F, N, 3), (F, N, 2) in which the face rests: quiet, shut, straight,
-    eyes open, near what the face mostly is and what faces mostly are; rather early than late."""
+def find(time: Array, points: NDArray[np.float32], rays: Array, ground: Ground) -> slice:
+    """The stretch of a take (F,), (F, N, 3), (F, N, 2) in which the face rests: quiet, shut,
+    straight, eyes open, near what the face mostly is and what faces mostly are; rather early than
+    late."""
     chosen = samples(len(points))
-    stride = int(chosen[1] - chosen[0]) if len(chosen) > 1 else 1
-    window = min(len(chosen), max(5, round(WINDOW / stride)))
+    pace = np.median(np.diff(time[chosen])) if len(chosen) > 1 else WINDOW
+    window = min(len(chosen), max(5, round(WINDOW / max(float(pace), 1e-3))))
     usual = np.median(lift(points[chosen], ground), axis=0)
     seen = rays[chosen]
     fit = fit_heads(head_model(usual, ground), seen[:, _MESH_ROWS])

@@ -26,9 +26,9 @@ class KeyModels:
         return np.asarray(self.displacements[self.names.index(name)])
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Character:
-    """A face that can act."""
+    """A face that can act. Characters are compared and remembered by identity."""
 
     name: str
     face: Face

@@ -8,6 +8,7 @@ add up to it exactly.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -110,8 +111,13 @@ def shares(cells: Cells, regions: Array, sides: Array) -> Array:
     return np.asarray(np.einsum("wrs,rn,sn->wn", cells.astype(float), regions, sides))
 
 
+@lru_cache(maxsize=8)
 def split(character: Character) -> Pieces:
-    """Split the character's examples; other key models (visemes, units) stay whole."""
+    """Split the character's examples; other key models (visemes, units) stay whole.
+
+    Everything that drives, draws or writes a character asks for its pieces, so they are kept: do
+    not write into them.
+    """
     face = character.face
     regions, sides = region_masks(face, face.vertices), side_masks(face, face.vertices)
     for part in face.parts:

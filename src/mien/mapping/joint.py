@@ -70,7 +70,7 @@ class JointMapper:
             motion, unseen = self._read(performance, part)
             weights[part] = self._mix(self._programme.solve(motion, unseen), performance, part)
             residual[part] = self._residual(motion, unseen, weights[part])
-        rotation, translation = performance.head()
+        rotation, translation = self._head(performance)
         return Curves(
             character=self.character.name,
             names=self.pieces.names,
@@ -100,6 +100,16 @@ class JointMapper:
         """(F, K) weights of the character's examples, the means of their pieces' (F, W)."""
         own = self.examples.owner[:, None] == np.arange(len(self.character.examples))
         return np.asarray(weights @ (own / np.maximum(own.sum(axis=0), 1)))
+
+    def _head(self, performance: Performance) -> tuple[Array, Array]:
+        """Rotation (F, 3, 3) about the character's neck and translation (F, 3) mm of the neck.
+
+        A performance tells where the point between the eyes is; a neck that turns already carries
+        it about, and only the rest is a step to the side.
+        """
+        rotation, translation = performance.head()
+        neck = self.character.face.pivots["head"]
+        return rotation, translation + (rotation - np.eye(3)) @ neck
 
     def _read(self, performance: Performance, part: slice) -> tuple[Array, Array]:
         """Motion (F, Q, 3) of the compared rows, exaggerated, and the unseen directions."""
