@@ -29,6 +29,7 @@ from mien.capture.detector import Detector
 from mien.formats.glb import write_glb
 from mien.formats.sources import open_source
 from mien.performance.frame import Frame
+from mien.recipe import preparing
 from report import show
 
 
@@ -83,12 +84,13 @@ class Repeated:
 
 def job(video: Path, capture: str, times: int) -> int:
     """Capture, map to the four characters, write their GLBs; how many frames that were."""
-    performance = CAPTURES[capture](Repeated(video, times), CaptureSettings(), video.name)
+    characters = [mien.load_character(name) for name in mien.CHARACTERS]
+    with preparing(characters):
+        performance = CAPTURES[capture](Repeated(video, times), CaptureSettings(), video.name)
     with tempfile.TemporaryDirectory() as folder:
-        for name in mien.CHARACTERS:
-            character = mien.load_character(name)
+        for character in characters:
             curves = mien.animate(performance, character)
-            write_glb(Path(folder) / f"{name}.glb", character, curves)
+            write_glb(Path(folder) / f"{character.name}.glb", character, curves)
     return len(performance)
 
 

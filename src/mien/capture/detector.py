@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from types import TracebackType
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from mien.capture.track import KEPT, LandmarkTrack
 from mien.errors import MissingExtraError, NoFaceError
 from mien.performance.frame import Frame
+from mien.vocabulary.landmarks import ALL_LANDMARKS
 
 Progress = Callable[[int], None]
 
@@ -38,8 +39,10 @@ class Detector:
     ) -> None:
         self._mesh.close()
 
-    def landmarks(self, image: NDArray[np.uint8]) -> NDArray[np.float32] | None:
-        """(478, 3) landmarks of ``image`` (H, W, 3) RGB, or None where no face is seen.
+    def landmarks(
+        self, image: NDArray[np.uint8], which: Sequence[int] = range(ALL_LANDMARKS)
+    ) -> NDArray[np.float32] | None:
+        """(N, 3) landmarks ``which`` of ``image`` (H, W, 3) RGB, or None where no face is seen.
 
         x right and y down in pixels from the picture's outer corner, z in the same scale.
         """
@@ -50,7 +53,8 @@ class Detector:
             return None
         self._silent = True
         height, width = image.shape[:2]
-        points = np.array([(p.x, p.y, p.z) for p in found[0].landmark], dtype=np.float32)
+        chosen = [found[0].landmark[i] for i in which]
+        points = np.array([(p.x, p.y, p.z) for p in chosen], dtype=np.float32)
         return points * np.array([width, height, width], dtype=np.float32)
 
 
@@ -60,13 +64,12 @@ def follow(frames: Iterable[Frame], progress: Progress | None = None) -> Landmar
     points: list[NDArray[np.float32]] = []
     lost: list[bool] = []
     size = (0, 0)
-    rows = list(KEPT)
     nothing = np.zeros((len(KEPT), 3), dtype=np.float32)
     with Detector() as detector:
         for frame in frames:
-            seen = detector.landmarks(frame.image)
+            seen = detector.landmarks(frame.image, KEPT)
             time.append(frame.time)
-            points.append(nothing if seen is None else seen[rows])
+            points.append(nothing if seen is None else seen)
             lost.append(seen is None)
             size = (frame.image.shape[1], frame.image.shape[0])
             if progress is not None:

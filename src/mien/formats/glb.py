@@ -14,6 +14,7 @@ Blender, three.js and the VRM tools look for them.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -45,33 +46,50 @@ def write_glb(path: Path, character: Character, curves: Curves | None = None) ->
     the whole key models. A head that never travels gets no channel for it.
     Raises OutputError; ValueError where the curves name a target the character has not.
     """
-    scene = _Scene(character.face, *_targets(character, curves))
-    root = scene.build(character.name)
+    scene = _laid_out(character, None if curves is None else curves.names)
+    buffer = scene.buffer.branch()
     document: Json = {
         "asset": {"version": "2.0", "generator": "mien"},
         "scene": 0,
-        "scenes": [{"name": character.name, "nodes": [root]}],
+        "scenes": [{"name": character.name, "nodes": [scene.carriers["body"]]}],
         "nodes": scene.nodes,
         "meshes": scene.meshes,
         "materials": scene.materials,
     }
     if curves is not None:
-        document["animations"] = [_animation(scene, curves)]
-    data = scene.buffer.glb(document)
+        document["animations"] = [_animation(scene, buffer, curves)]
+    data = buffer.glb(document)
     with whole_file(path) as temporary:
         temporary.write_bytes(data)
 
 
+def prepare(character: Character) -> None:
+    """Lay out ``character``'s file ahead of its first take; saves time to who has it to spare."""
+    _laid_out(character, split(character).names)
+
+
+@lru_cache(maxsize=8)
+def _laid_out(character: Character, names: tuple[str, ...] | None) -> _Scene:
+    """All of a character's file but the take; kept, for takes come one after another."""
+    scene = _Scene(character.face, *_targets(character, names))
+    scene.build(character.name)
+    return scene
+
+
 def _targets(
-    character: Character, curves: Curves | None
+    character: Character, names: tuple[str, ...] | None
 ) -> tuple[tuple[str, ...], NDArray[np.float32]]:
     """Names (W) and displacement fields (W, V, 3) of the morph targets to write."""
     pieces, keys = split(character), character.keys
-    known = dict(zip(keys.names, keys.displacements, strict=True))
-    known = dict(zip(pieces.names, pieces.displacements, strict=True)) | {
-        name: field for name, field in known.items() if name not in pieces.names
+    if names == pieces.names:
+        return names, pieces.displacements
+    known = dict(zip(pieces.names, pieces.displacements, strict=True))
+    known |= {
+        name: field
+        for name, field in zip(keys.names, keys.displacements, strict=True)
+        if name not in pieces.names
     }
-    names = tuple(known) if curves is None else curves.names
+    names = tuple(known) if names is None else names
     if not known.keys() >= set(names):
         raise ValueError(f"{character.name} lacks {', '.join(set(names) - known.keys())}")
     return names, np.stack([known[name] for name in names])
@@ -121,8 +139,8 @@ class _Scene:
         self._zeros: dict[int, int] = {}
         self._material_index = {name: i for i, name in enumerate(used)}
 
-    def build(self, name: str) -> int:
-        """Fill the scene; the index of its root node."""
+    def build(self, name: str) -> None:
+        """Fill the scene."""
         pivots = self.face.pivots
         head, root = self._node("head", pivots["head"]), self._node(name)
         self.carriers = {"head": head, "body": root}
@@ -138,7 +156,6 @@ class _Scene:
             self.nodes[node]["mesh"] = self._mesh(group)
             if len(group.targets):
                 self.morphing.append((node, group))
-        return root
 
     def _node(self, name: str, place: Array | None = None) -> int:
         node: Json = {"name": name}
@@ -254,9 +271,9 @@ def _material(face: Face, name: str) -> Json:
     return described
 
 
-def _animation(scene: _Scene, curves: Curves) -> Json:
+def _animation(scene: _Scene, buffer: GltfBuffer, curves: Curves) -> Json:
     """One animation: weights of each morphing mesh, head and eyes, at the take's own times."""
-    add = scene.buffer.add
+    add = buffer.add
     times = add(curves.time.astype(np.float32), bounds=True)
     samplers: list[Json] = []
     channels: list[Json] = []

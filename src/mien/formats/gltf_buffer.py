@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import struct
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -21,12 +22,31 @@ _VERTEX, _ELEMENT = 34962, 34963
 _TARGET = {"vertex": _VERTEX, "element": _ELEMENT}
 
 
+@dataclass(slots=True)
+class _Stream:
+    """What will be one bufferView."""
+
+    view: int
+    chunks: list[bytes]
+    size: int
+
+
 class GltfBuffer:
     """Accessors and the bytes behind them."""
 
     def __init__(self) -> None:
         self.accessors: list[Json] = []
-        self._streams: dict[tuple[str, str, int], list[bytes]] = {}
+        self._streams: dict[tuple[str, str, int], _Stream] = {}
+
+    def branch(self) -> GltfBuffer:
+        """A buffer that begins with what is in this one and is added to by itself."""
+        other = GltfBuffer()
+        other.accessors = list(self.accessors)
+        other._streams = {
+            key: _Stream(stream.view, list(stream.chunks), stream.size)
+            for key, stream in self._streams.items()
+        }
+        return other
 
     def add(
         self,
@@ -57,7 +77,7 @@ class GltfBuffer:
     ) -> int:
         """Index of a new accessor of vectors ``values`` (N, 3), of which only those longer than
         ``threshold`` are stored; the others are zero."""
-        kept = np.flatnonzero((values.astype(np.float64) ** 2).sum(axis=1) > threshold**2)
+        kept = np.flatnonzero(np.einsum("nx,nx->n", values, values) > threshold**2)
         accessor: Json = {
             "componentType": _COMPONENT["float32"],
             "count": len(values),
@@ -83,19 +103,19 @@ class GltfBuffer:
 
     def _where(self, values: NDArray[Any], use: str) -> Json:
         stride = values.dtype.itemsize * (values.shape[1] if values.ndim == 2 else 1)
-        stream = self._streams.setdefault((use, values.dtype.name, stride), [])
-        place = {
-            "bufferView": list(self._streams).index((use, values.dtype.name, stride)),
-            "byteOffset": sum(len(chunk) for chunk in stream),
-        }
-        stream.append(values.astype(values.dtype.newbyteorder("<")).tobytes())
-        return place if place["byteOffset"] else {"bufferView": place["bufferView"]}
+        stream = self._streams.setdefault(
+            (use, values.dtype.name, stride), _Stream(len(self._streams), [], 0)
+        )
+        place = {"bufferView": stream.view} | ({"byteOffset": stream.size} if stream.size else {})
+        stream.chunks.append(values.astype(values.dtype.newbyteorder("<")).tobytes())
+        stream.size += len(stream.chunks[-1])
+        return place
 
     def glb(self, document: Json) -> bytes:
         """The whole GLB file: ``document`` with this buffer's accessors and views added."""
         views, chunks, size = [], [], 0
         for (use, _, stride), stream in self._streams.items():
-            chunk = b"".join(stream)
+            chunk = b"".join(stream.chunks)
             view: Json = {"buffer": 0, "byteOffset": size, "byteLength": len(chunk)}
             if use in _TARGET:
                 view["target"] = _TARGET[use]
