@@ -32,7 +32,7 @@ PUPIL_DISTANCE = 63.0
 WINDOW = 0.5
 """Seconds for which a face rests when it rests."""
 
-_SAMPLES = 200
+_SAMPLES = 150
 """Frames of a take that are looked at to calibrate it; more change nothing but the time."""
 _BONE_SIGMA = 3.0
 """mm, how wrong a point over bone may be in the network's neutral; other views settle it."""
