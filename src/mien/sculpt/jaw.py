@@ -49,7 +49,7 @@ _STILL = [
 ]
 _STILL += [280, 123, 352]
 _CHEEK = [205, 425]
-_UNDER_CHIN = (0.91, 0.65, 0.36, 0.14)
+_UNDER_CHIN = (0.81, 0.52, 0.26, 0.10)
 
 
 def turned(places: Array, share: Array | float, expression: Expression) -> Array:

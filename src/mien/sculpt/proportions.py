@@ -25,7 +25,7 @@ class HeadShape:
     """Factors of 1 and pushes of 0 leave the mean face as it is."""
 
     cranium: Triple = (1.0, 1.0, 1.0)
-    crown: float = 12.0
+    crown: float = 4.0
     """How far the top of the head is raised."""
     face_width: float = 1.0
     jaw_width: float = 1.0

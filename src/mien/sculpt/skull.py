@@ -19,7 +19,8 @@ from mien.vocabulary import topology
 
 Array = NDArray[np.float64]
 
-_ROUNDS = 260
+_ROUNDS = 4
+_CRANIUM = (0.0, 44.0, -39.0)
 _NECK_RADIUS, _NECK_FLOOR, _NECK_DEPTH = 55.0, -165.0, -64.0
 
 
@@ -61,13 +62,26 @@ def _relaxed_rings(silhouette: Array) -> Array:
     above = (np.cos(angle) * 0.5 + 0.5)[None, :, None]
     grid = silhouette * (1 - along) + neck * along
     grid += np.sin(np.pi * along) * above * np.array([0, 150.0, -120.0])
-    for step in range(_ROUNDS):
-        inner = grid[1:-1]
-        sides = np.roll(inner, 1, axis=1) + np.roll(inner, -1, axis=1)
-        steps = 6 if step == _ROUNDS - 1 else 2
-        grid[1:-1] = _onto_skull((grid[:-2] + grid[2:] + sides) / 4, steps)
+    # Rings that are relaxed any longer shrink: they slide off the crown and down to the neck.
+    for _ in range(_ROUNDS):
+        sides = np.roll(grid, 1, axis=1) + np.roll(grid, -1, axis=1)
+        grid[1:-1] = _onto_skull(0.5 * grid[1:-1] + 0.25 * sides[1:-1])
+        grid = _even_columns(grid)
+    grid[1:-1] = _onto_skull(grid[1:-1])
     grid[1] = 0.75 * grid[1] + 0.125 * (grid[0] + grid[2])
     return grid[1:]
+
+
+def _even_columns(grid: Array) -> Array:
+    """The columns of ``grid`` (R, C, 3) with their points at even steps."""
+    steps = np.linalg.norm(np.diff(grid, axis=0), axis=-1)
+    along = np.concatenate([np.zeros((1, grid.shape[1])), np.cumsum(steps, axis=0)])
+    even = np.empty_like(grid)
+    for column, length in enumerate(along.T):
+        wanted = np.linspace(0, length[-1], len(grid))
+        for axis in range(3):
+            even[:, column, axis] = np.interp(wanted, length, grid[:, column, axis])
+    return even
 
 
 def _faired(places: Array) -> Array:
@@ -88,25 +102,29 @@ def _faired(places: Array) -> Array:
     return np.asarray(splu(system).solve(anchor @ places))
 
 
-def _onto_skull(places: Array, steps: int) -> Array:
-    """Walk ``places`` along the field's gradient to its zero."""
-    reach = 0.5
+def _onto_skull(places: Array, steps: int = 14) -> Array:
+    """Where rays through ``places`` meet the skull: rays from the middle of the cranium above it,
+    level rays from the neck's axis below."""
+    height = np.minimum(places[..., 1], _CRANIUM[1])
+    down = np.clip((height + 30) / -150, 0, 1)
+    depth = _CRANIUM[2] - 20 * down
+    start = np.stack([0 * height, height, depth], axis=-1)
+    ray = places - start
+    reach = np.linalg.norm(ray, axis=-1, keepdims=True)
+    ray /= reach
     for _ in range(steps):
-        slope = np.stack(
-            [_skull(places + reach * axis) - _skull(places - reach * axis) for axis in np.eye(3)],
-            axis=-1,
-        )
-        slope /= np.linalg.norm(slope, axis=-1, keepdims=True) + 1e-9
-        places = places - _skull(places)[..., None] * slope
-    return places
+        reach = reach - _skull(start + reach * ray)[..., None]
+    return np.asarray(start + reach * ray)
 
 
 def _skull(places: Array) -> Array:
     """Signed distance (about) from cranium, jaw and neck, melted into each other."""
-    cranium = _ellipsoid(places, (0, 42, -44), (76, 100, 98))
+    cranium = _ellipsoid(places, _CRANIUM, (76, 85, 98))
     jaw = _ellipsoid(places, (0, -32, -8), (60, 56, 50))
     down = np.clip((places[..., 1] + 30) / -150, 0, 1)
     across = np.hypot(places[..., 0], places[..., 2] + 52 + 12 * down)
+    # The neck ends inside the head: an endless one would pierce the crown.
+    across = np.hypot(across, np.maximum(places[..., 1] + 30, 0))
     neck = across - (50 + 5 * down**2)
     return _melted(_melted(cranium, jaw, 18.0), neck, 16.0)
 

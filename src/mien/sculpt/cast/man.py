@@ -137,8 +137,8 @@ def _dress(neutral: Head) -> Sequence[Solid]:
 
 _KEYS = repertoire(
     smile={"corner": (8.5, 8.0, -4.5), "cheek": (2.0, 4.0, 4.0)},
+    surprise={"narrow": 0.36, "pucker": 4.5, "corner": (0, 0.6, 0)},
     anger={"brow_inner": (-5.0, -9.5, 3.0), "lid_tilt": -3.0},
-    surprise={"jaw": 13, "blink": -0.3},
 )
 
 MAN = Sculpture(

@@ -6,9 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from mien.sculpt.brush import ramp
 from mien.sculpt.bust import bust
 from mien.sculpt.cast.human import ball_eyes, pair
-from mien.sculpt.colour import paint_skin
+from mien.sculpt.colour import mix, paint_skin
 from mien.sculpt.ears import EarShape, ear
 from mien.sculpt.expressions import EXAMPLES
 from mien.sculpt.eyes import Iris
@@ -29,7 +30,7 @@ from mien.sculpt.solid import Form, Solid, merged
 
 _SKIN = (0.72, 0.47, 0.34)
 _DARK, _LIGHT = (0.075, 0.035, 0.03), (0.30, 0.13, 0.085)
-_SHADOW = (0.15, 0.07, 0.05)
+_SHADOW = (0.10, 0.045, 0.035)
 _PARTING = -16.0
 
 _PROPORTIONS = Proportions(
@@ -134,8 +135,9 @@ def _hair(neutral: Head) -> Solid:
         rows=14,
     )
     locks = _curtain(scalp) + _fringe(scalp)
-    # The scalp shows at the parting only, in the shadow of the fringe.
-    colours = [shaded(under, _DARK, _SHADOW, ridge), *(shaded(f, _DARK, _LIGHT) for f in locks)]
+    # In front the scalp lies in the shadow of the fringe.
+    scalp_colours = mix(shaded(under, _DARK, _LIGHT, ridge), _SHADOW, ramp(-30, 20, under[0][:, 2]))
+    colours = [scalp_colours, *(shaded(f, _DARK, _LIGHT) for f in locks)]
     return Solid("hair", "hair", *merged([under, *locks]), np.concatenate(colours))
 
 
