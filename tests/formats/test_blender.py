@@ -1,46 +1,25 @@
-"""The real Blender imports what we write: names, values and times.
-
-Skipped where no Python with bpy is found: in MIEN_BPY_PYTHON, or where .ci/tools.sh puts one.
-"""
+"""The real Blender imports what we write: names, values and times."""
 
 from __future__ import annotations
 
-import json
-import os
-import subprocess
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from foreign import blender, needs_blender
 
 from faces import toy_curves
 from mien.face.character import Character
 from mien.formats.glb import write_glb
 
-HERE = Path(__file__).parent
-BLENDER = Path(
-    os.environ.get("MIEN_BPY_PYTHON") or HERE.parents[1] / ".tools" / "bpy" / "bin" / "python"
-)
-
-pytestmark = pytest.mark.skipif(
-    not BLENDER.exists(),
-    reason="no Blender: run .ci/tools.sh, or set MIEN_BPY_PYTHON to a Python that has bpy",
-)
+pytestmark = needs_blender
 
 
 @pytest.fixture(scope="module")
 def imported(toy_face: Character, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     path = tmp_path_factory.mktemp("blender") / "toy.glb"
     write_glb(path, toy_face, toy_curves(toy_face))
-    script = HERE / "blender_import.py"
-    run = subprocess.run(
-        [BLENDER, script, path], capture_output=True, text=True, check=False, timeout=120
-    )
-    lines = [line for line in run.stdout.splitlines() if line.startswith("IMPORTED ")]
-    assert lines, run.stdout[-2000:] + run.stderr[-2000:]
-    found: dict[str, Any] = json.loads(lines[0].removeprefix("IMPORTED "))
-    return found
+    return blender(path)
 
 
 def test_shape_keys_bear_our_names(toy_face: Character, imported: dict[str, Any]) -> None:

@@ -1,46 +1,18 @@
-"""The Khronos glTF validator finds nothing to say about our files.
-
-Skipped where Node or the validator is missing: it is looked for in MIEN_GLTF_VALIDATOR (a folder
-with node_modules), or where .ci/tools.sh puts it.
-"""
+"""The Khronos glTF validator finds nothing to say about our files."""
 
 from __future__ import annotations
 
-import json
-import os
-import shutil
-import subprocess
 from pathlib import Path
-from typing import Any
 
 import pytest
+from foreign import issues, needs_validator
 
 from faces import toy_curves
 from mien.face.character import Character
 from mien.face.library import CHARACTERS, load_character
 from mien.formats.glb import write_glb
 
-HERE = Path(__file__).parent
-VALIDATOR = Path(os.environ.get("MIEN_GLTF_VALIDATOR") or HERE.parents[1] / ".tools" / "validator")
-NODE = shutil.which("node")
-
-pytestmark = pytest.mark.skipif(
-    NODE is None or not (VALIDATOR / "node_modules" / "gltf-validator").exists(),
-    reason="no glTF validator: run .ci/tools.sh (needs Node), or set MIEN_GLTF_VALIDATOR",
-)
-
-
-def issues(path: Path) -> list[dict[str, Any]]:
-    run = subprocess.run(
-        [str(NODE), HERE / "validate_gltf.js", path],
-        env=os.environ | {"NODE_PATH": str(VALIDATOR / "node_modules")},
-        capture_output=True,
-        text=True,
-        check=True,
-        timeout=60,
-    )
-    found: list[dict[str, Any]] = json.loads(run.stdout)["messages"]
-    return found
+pytestmark = needs_validator
 
 
 def test_a_toy_take_is_valid(toy_face: Character, tmp_path: Path) -> None:

@@ -1,0 +1,75 @@
+"""Every picture of the README and the documents, drawn anew from the package.
+
+    python docs/make_pictures.py
+
+docs/pictures/cast.jpg      the four characters
+docs/pictures/driven.jpg    moments of the sample take beside the characters that follow it
+docs/pictures/NAME.jpg      a contact sheet of each character and of the generic face
+"""
+
+from importlib import resources
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+import mien
+from mien.face.animate import Poser
+from mien.face.library import GENERIC
+from mien.formats.sources import open_source
+from mien.view.camera import Camera
+from mien.view.contact_sheet import contact_sheet
+from mien.view.preview import preview
+from mien.view.renderer import Renderer
+
+FOLDER = Path(__file__).parent / "pictures"
+POSES = {
+    "man": (-0.38, {"smile": 0.7, "brows_up": 0.2}),
+    "woman": (0.32, {"smile": 0.35}),
+    "monkey": (-0.3, {"smile": 0.8, "brows_up": 0.4}),
+    "toy": (0.28, {"surprise": 0.75}),
+}
+MOMENTS = (0.95, 3.05, 3.9, 7.7)
+"""Seconds of the sample take."""
+
+
+def cast() -> np.ndarray:
+    """The four in a row, each with a face of its own."""
+    row = []
+    for name, (yaw, weights) in POSES.items():
+        character = mien.load_character(name)
+        level = np.array([weights.get(key, 0.0) for key in character.keys.names])
+        vertices = Poser(character.face, character.keys).morph(level)
+        camera = Camera(yaw=yaw, pitch=0.035, height=290.0, size=(400, 460))
+        row.append(Renderer(character.face).render(vertices, camera))
+    return np.hstack(row)
+
+
+def driven() -> np.ndarray:
+    """Moments of the sample take, one above the other in two columns."""
+    with resources.as_file(resources.files("mien").joinpath("data", "sample.mp4")) as take:
+        performance = mien.capture(take)
+        characters = [mien.load_character(name) for name in mien.CHARACTERS]
+        acts = [(character, mien.animate(performance, character)) for character in characters]
+        wanted = [int(np.argmin(abs(performance.time - moment))) for moment in MOMENTS]
+        frames = enumerate(preview(acts, open_source(take)))
+        shots = [frame.image for i, frame in frames if i in wanted]
+    half = len(shots) // 2
+    sheet = Image.fromarray(np.vstack([np.hstack(shots[:half]), np.hstack(shots[half:])]))
+    return np.asarray(sheet.resize((1600, round(1600 * sheet.height / sheet.width))))
+
+
+def main() -> None:
+    """Draw them all."""
+    pictures = {"cast": cast(), "driven": driven()}
+    for name in (*mien.CHARACTERS, GENERIC):
+        pictures[name] = contact_sheet(mien.load_character(name))
+    FOLDER.mkdir(exist_ok=True)
+    for name, picture in pictures.items():
+        path = FOLDER / f"{name}.jpg"
+        Image.fromarray(picture).save(path, quality=82, optimize=True)
+        print(path.relative_to(Path(__file__).parent), picture.shape)
+
+
+if __name__ == "__main__":
+    main()
