@@ -35,6 +35,7 @@ Array = NDArray[np.float64]
 _NECK = np.array([0.0, -78.0, -62.0])
 """What the head turns about: the middle of the neck, in the sculpting frame."""
 _SMOOTHINGS = 3
+"""Rounds of averaging over the skin's neighbours, for occlusion."""
 _IN_MOUTH = 0.45
 """Strength of the occlusion on the mouth bag."""
 

@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from mien.sculpt.brush import bump
 from mien.sculpt.head import Head
+from mien.sculpt.proportions import Triple
 from mien.sculpt.skin import labels
 from mien.vocabulary import topology
 
@@ -44,7 +45,7 @@ def paint_lid_edges(colours: Array, colour: Colour) -> Array:
     return mix(colours, colour, 0.8 * np.clip(1.6 * labels().lid_inside, 0, 1))
 
 
-def paint_nostrils(colours: Array, head: Head, radii: Colour, colour: Colour, most: float) -> Array:
+def paint_nostrils(colours: Array, head: Head, radii: Triple, colour: Colour, most: float) -> Array:
     """Darkness in the nostrils."""
     middle = head.cage[topology.NOSTRIL].mean(axis=0)
     return mix(colours, colour, np.clip(1.3 * bump(head.skin, middle, radii), 0, most))

@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 
 from mien.numeric.normals import vertex_normals
 from mien.sculpt.colour import Colour, linear
-from mien.sculpt.solid import Form, outward, sheet, spline, tube
+from mien.sculpt.solid import Form, fan, outward, sheet, spline, tube
 
 Array = NDArray[np.float64]
 Edge = Callable[[Array], Array]
@@ -80,9 +80,7 @@ def cap(
     grid = scalp.at(direction.reshape(-1, 3), thick.ravel())
     top = scalp.at(crown[None], float(depth(np.zeros(1), np.zeros(1))[0]))
     vertices = np.vstack([top, grid])
-    fan_rows = np.arange(around)
-    roof = np.stack([np.zeros(around, int), 1 + fan_rows, 1 + (fan_rows + 1) % around], axis=1)
-    triangles = np.concatenate([roof, sheet(rows - 1, around, 1)])
+    triangles = np.concatenate([fan(0, 1, around), sheet(rows - 1, around, 1)])
     height = 0.5 + 0.5 * wave / ridge if ridge else np.full_like(wave, 0.5)
     return outward(vertices, triangles, scalp.centre), np.append(0.5, height.ravel())
 

@@ -19,8 +19,6 @@ SILHOUETTE: Mapping[str, int] = {"2.11": 400, "2.12": 176, "2.13": 397, "2.14": 
 
 _NECK_AXIS = (234, 454), 0.4
 """7.1, the top of the spine, lies two fifths from either temple towards the back of the head."""
-
-
 _MEETS = 5.0
 """mm between skin and hair where one ends and the other begins."""
 

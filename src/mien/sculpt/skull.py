@@ -1,7 +1,7 @@
 """The mean head: the detector's mean landmarks carried on over a skull and down a neck.
 
-The rings are relaxed on a field of three solids (cranium, jaw, neck); the mask keeps the measured
-places, and the seam between them is faired.
+The rings lie on a field of three solids (cranium, jaw, neck); the mask keeps the measured places,
+and the seam between them is faired.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ def mean_head() -> Array:
     mesh = cage()
     places = np.zeros((mesh.count, 3))
     places[: topology.LANDMARKS] = mean_landmarks()
-    places[mesh.rings] = _relaxed_rings(places[topology.SILHOUETTE])
+    places[mesh.rings] = _skull_rings(places[topology.SILHOUETTE])
     lips = places[LIPS[0]]
     for ring, back in zip(mesh.bag, 6.0 * np.arange(1, 6), strict=True):
         places[ring] = lips - [0, 0, back]
@@ -47,7 +47,7 @@ def mean_head() -> Array:
     return mesh.symmetrised(_faired(places))
 
 
-def _relaxed_rings(silhouette: Array) -> Array:
+def _skull_rings(silhouette: Array) -> Array:
     """(15, 36, 3) rings spread evenly over the skull."""
     angle = np.linspace(0, 2 * np.pi, AROUND, endpoint=False)
     neck = np.stack(

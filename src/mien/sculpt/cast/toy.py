@@ -26,7 +26,7 @@ from mien.sculpt.proportions import (
 from mien.sculpt.repertoire import repertoire
 from mien.sculpt.sculpture import Sculpture
 from mien.sculpt.skin import labels
-from mien.sculpt.solid import Form, Solid, ball, merged, outward, sheet, tube
+from mien.sculpt.solid import Form, Solid, ball, fan, merged, outward, sheet, tube
 
 Array = NDArray[np.float64]
 
@@ -122,10 +122,7 @@ def _eyes(eye: EyeShape, side: int) -> Sequence[Solid]:
 
     rings = [inside(r * np.cos(angle), r * np.sin(angle), z * 0.98) for r, z in _BUTTON]
     disc = np.vstack([inside(0.0, 0.0, 0.745)[None], *rings])
-    around = len(angle)
-    here = np.arange(around)
-    roof = np.stack([np.zeros(around, int), 1 + here, 1 + (here + 1) % around], axis=1)
-    button = np.concatenate([roof, sheet(len(_BUTTON), around, 1)])
+    button = np.concatenate([fan(0, 1, len(angle)), sheet(len(_BUTTON), len(angle), 1)])
     felt, felt_faces = ball(frame.centre, 0.97 * radius, 20)
     beyond = np.clip((felt - frame.centre) @ frame.ahead - 0.5 * radius, 0, None)
     felt = felt - beyond[:, None] * frame.ahead
