@@ -22,6 +22,8 @@ _WIDEST = 26.0
 _ARC = 1.62
 """Curvature of the teeth's parabola next to the lips'."""
 _TONGUE_SHARE = 0.93
+_TONGUE_RISE = 7.0
+"""mm, as far forward as up, before the tip goes on forward."""
 
 
 def _scale(mouth: MouthShape) -> float:
@@ -118,5 +120,7 @@ def tongue_moved(at_rest: Solid, expression: Expression) -> Array:
     places = at_rest.vertices.copy()
     back, front = places[:, 2].min(), places[:, 2].max()
     share = ramp(back, front, places[:, 2])
-    places += (expression.tongue * share)[:, None] * [0, 0.12, 1.0]
+    # It rises over the lower teeth first.
+    rise = min(expression.tongue, _TONGUE_RISE)
+    places += share[:, None] * [0, rise + 0.05 * expression.tongue, expression.tongue]
     return jaw.turned(places, _TONGUE_SHARE, expression)

@@ -19,7 +19,7 @@ VISEMES: Mapping[str, Expression] = {
         upper_lip=(0, 1.2, 0.6),
         upper_quarter=(0, 0.6, 0),
     ),
-    "viseme_th": E(jaw=4.0, tongue=10.0, upper_lip=(0, 0.6, 0), lower_quarter=(0, -0.8, 0)),
+    "viseme_th": E(jaw=4.0, tongue=7.0, upper_lip=(0, 0.6, 0), lower_quarter=(0, -0.8, 0)),
     "viseme_t": E(
         jaw=3.0, corner=(2.0, 0.3, -1.5), upper_lip=(0, 0.8, 0), lower_quarter=(0, -0.8, 0)
     ),
