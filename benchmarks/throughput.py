@@ -29,7 +29,6 @@ from mien.capture.detector import Detector
 from mien.formats.glb import write_glb
 from mien.formats.sources import open_source
 from mien.performance.frame import Frame
-from mien.recipe import preparing
 from report import show
 
 
@@ -85,8 +84,7 @@ class Repeated:
 def job(video: Path, capture: str, times: int) -> int:
     """Capture, map to the four characters, write their GLBs; how many frames that were."""
     characters = [mien.load_character(name) for name in mien.CHARACTERS]
-    with preparing(characters):
-        performance = CAPTURES[capture](Repeated(video, times), CaptureSettings(), video.name)
+    performance = CAPTURES[capture](Repeated(video, times), CaptureSettings(), video.name)
     with tempfile.TemporaryDirectory() as folder:
         for character in characters:
             curves = mien.animate(performance, character)

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TypeVar
 
@@ -88,22 +86,6 @@ def save_performance(performance: Performance, path: str | Path) -> None:
     Raises InputError for another ending, OutputError where it cannot be written.
     """
     _of_ending(WRITERS, Path(path))(performance, Path(path))
-
-
-@contextmanager
-def preparing(characters: Iterable[Character]) -> Iterator[None]:
-    """While the block runs, lay out the files of ``characters`` on another core.
-
-    A capture leaves time for it, and what does not depend on the take is then done when the take
-    is. Changes nothing but the time.
-    """
-    from mien.formats.glb import prepare
-
-    with ThreadPoolExecutor(1) as pool:
-        laid_out = [pool.submit(prepare, character) for character in characters]
-        yield
-        for each in laid_out:
-            each.result()
 
 
 def animate(

@@ -80,13 +80,11 @@ def add_acting_options(parser: argparse.ArgumentParser, output: str | None) -> N
 def run(options: argparse.Namespace) -> None:
     from mien.face.library import CHARACTERS, load_character
     from mien.formats.save import place, save
-    from mien.recipe import preparing
 
     characters = [load_character(name) for name in options.characters or CHARACTERS]
     plan = _plan(options, [character.name for character in characters])
     with results(plan.folder) as claim:
-        with preparing(characters):
-            performance = performance_of(options)
+        performance = performance_of(options)
         acts: list[tuple[Character, Curves]] = []
         written: list[Path] = []
         for character, files in zip(characters, plan.files, strict=True):

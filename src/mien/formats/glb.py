@@ -63,11 +63,6 @@ def write_glb(path: Path, character: Character, curves: Curves | None = None) ->
         temporary.write_bytes(data)
 
 
-def prepare(character: Character) -> None:
-    """Lay out ``character``'s file ahead of its first take; saves time to who has it to spare."""
-    _laid_out(character, split(character).names)
-
-
 @lru_cache(maxsize=8)
 def _laid_out(character: Character, names: tuple[str, ...] | None) -> _Scene:
     """All of a character's file but the take; kept, for takes come one after another."""
