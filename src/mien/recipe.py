@@ -11,6 +11,7 @@ from mien.capture.shapes import motion_from_shapes
 from mien.errors import InputError, NoFaceError
 from mien.face.character import Character
 from mien.face.library import generic_face, load_character
+from mien.formats.lens import read_focal
 from mien.formats.livelink import read_livelink, write_livelink
 from mien.formats.mien_file import read_performance, write_performance
 from mien.formats.mp4 import Sound, write_mp4
@@ -53,7 +54,7 @@ def capture(
     mirror: bool = False,
     rate: float | None = None,
     neutral: tuple[float, float] | None = None,
-    focal: float | None = None,
+    focal: float | str | Path | None = None,
     progress: Progress | None = None,
 ) -> Performance:
     """What the performer in a recording did.
@@ -61,8 +62,8 @@ def capture(
     ``path`` names a video, a folder of images or "camera:0"; ``start`` and ``end`` cut it, in
     seconds; ``mirror`` undoes a selfie's flip; ``rate`` is frames a second of a folder of images
     (30); ``neutral`` (first, last) names the seconds in which the face rests (found otherwise);
-    ``focal`` is the camera's focal length in pixels.
-    ``progress`` is called with frames done and frames expected (None: unknown).
+    ``focal`` is the camera's focal length in pixels, or a camera file that says it. ``progress``
+    is called with frames done and frames expected (None: unknown).
     Raises InputError, FormatError, NoFaceError, MissingExtraError.
     """
     way = _choose(CAPTURES, method, "capture")
@@ -70,7 +71,9 @@ def capture(
     count = source.count
     told = None if progress is None else (lambda done: progress(done, count))
     try:
-        return way(source, CaptureSettings(neutral, focal), source.name, told)
+        return way(
+            source, CaptureSettings(neutral, _focal(focal, source.size[0])), source.name, told
+        )
     except NoFaceError as error:
         raise NoFaceError(f"{source.name}: {error}") from error
 
@@ -143,6 +146,14 @@ def _told(frames: Iterable[Frame], count: int, progress: Progress) -> Iterator[F
     for done, frame in enumerate(frames, start=1):
         yield frame
         progress(done, count)
+
+
+def _focal(focal: float | str | Path | None, width: int) -> float | None:
+    """Pixels on pictures ``width`` pixels wide."""
+    if focal is None or isinstance(focal, int | float):
+        return focal
+    pixels, measured = read_focal(Path(focal))
+    return pixels * width / (measured or width)
 
 
 def _choose(ways: Mapping[str, Way], name: str, what: str) -> Way:

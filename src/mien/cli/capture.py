@@ -62,10 +62,16 @@ def add_cut_options(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--focal",
-        type=positive,
-        metavar="PIXELS",
-        help="focal length of the camera (default: a usual one)",
+        type=focal,
+        metavar="PIXELS|FILE",
+        help="focal length of the camera, or a file that says it: focal = 700, width = 640 "
+        "(default: a usual one)",
     )
+
+
+def focal(text: str) -> float | str:
+    """A number of pixels, or the name of a file."""
+    return text if any(letter.isalpha() for letter in text) else positive(text)
 
 
 def run(options: argparse.Namespace) -> None:

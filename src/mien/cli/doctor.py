@@ -31,7 +31,6 @@ PACKAGES = (
     "daqp",
     "av",
     "pillow",
-    "pygltflib",
     "rich",
     "mediapipe",
     "opencv-python-headless",
