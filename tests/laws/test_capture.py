@@ -14,6 +14,7 @@ from mien.capture.headfit import (
     fit_heads,
     linearize,
     motion_from_neutral,
+    residuals,
 )
 from mien.capture.landmarks import GAIN, calibrate, perform
 from mien.capture.lids import LidRange, closures
@@ -234,3 +235,12 @@ def test_the_far_eye_of_a_turned_head_follows_the_near_one():
     opening = np.array([[0.1, 0.3]])
     turned = closures(opening, span, np.array([np.radians(40.0)]))
     np.testing.assert_allclose(turned[0, 0], turned[0, 1])
+
+
+def test_the_residual_alone_is_the_residual_of_the_jacobian():
+    random = np.random.default_rng(9)
+    face = model(9)
+    rays = random.normal(size=(3, 24, 2)) * 0.1
+    fit = fit_heads(face, rays)
+    whole, _ = linearize(face, rays, fit.rotation, fit.translation, fit.weights)
+    np.testing.assert_allclose(residuals(face, rays, fit), whole, atol=1e-9)

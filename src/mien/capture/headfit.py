@@ -153,6 +153,13 @@ def _step(
     )
 
 
+def residuals(model: HeadModel, rays: Array, fit: HeadFit) -> Array:
+    """(F, N, 2) mm by which a fit misses its picture."""
+    shape = model.neutral + np.tensordot(fit.weights, model.shapes, axes=1)
+    place = shape @ np.swapaxes(fit.rotation, 1, 2) + fit.translation[:, None]
+    return np.asarray(rays * place[..., 2:] - place[..., :2])
+
+
 def linearize(
     model: HeadModel, rays: Array, rotation: Array, translation: Array, weights: Array
 ) -> tuple[Array, Array]:

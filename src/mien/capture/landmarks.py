@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from mien.capture import gaze as eyes
 from mien.capture import lids
-from mien.capture.headfit import HeadFit, fit_heads, linearize, motion_from_neutral
+from mien.capture.headfit import HeadFit, fit_heads, motion_from_neutral, residuals
 from mien.capture.neutral import Ground, find, head_model, own_neutral, refine, samples
 from mien.capture.track import ROW, LandmarkTrack
 from mien.errors import InputError
@@ -153,9 +153,7 @@ def _facing(fit: HeadFit) -> Array:
 def _confidence(known: Calibration, directions: Array, fit: HeadFit, ground: Ground) -> Array:
     """(F,) 1 where the points lie as a face can, falling with what no face explains (mm rms)."""
     model = head_model(known.model, ground)
-    residual, _ = linearize(
-        model, directions[:, _FACE_ROWS], fit.rotation, fit.translation, fit.weights
-    )
+    residual = residuals(model, directions[:, _FACE_ROWS], fit)
     rms = np.sqrt((residual**2).sum(-1).mean(1))
     return np.asarray(1.0 / (1.0 + (rms / 4.0) ** 2))
 

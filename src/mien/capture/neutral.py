@@ -16,8 +16,8 @@ from mien.capture.headfit import (
     HeadFit,
     HeadModel,
     fit_heads,
-    linearize,
     motion_from_neutral,
+    residuals,
 )
 from mien.capture.track import KEPT, ROW
 from mien.face.character import Character
@@ -112,7 +112,7 @@ def refine(neutral: Array, rays: Array, ground: Ground, rounds: int = 2) -> Arra
 
 
 def _correction(model: HeadModel, rays: Array, fit: HeadFit, share: float) -> Array:
-    residual, _ = linearize(model, rays, fit.rotation, fit.translation, fit.weights)
+    residual = residuals(model, rays, fit)
     trust = share / (1.0 + (residual**2).sum(-1) / 2.5**2)
     slope = rays[..., None] * fit.rotation[:, None, 2:] - fit.rotation[:, None, :2]
     normal = np.einsum("fn,fnai,fnaj->nij", trust, slope, slope)
