@@ -12,13 +12,13 @@ from mien.capture.headfit import (
     FitSettings,
     HeadModel,
     fit_heads,
-    linearize,
     motion_from_neutral,
     residuals,
 )
 from mien.capture.landmarks import GAIN, calibrate, perform
 from mien.capture.lids import LidRange, closures
 from mien.capture.neutral import Ground, ground
+from mien.capture.normal_equations import accumulate
 from mien.capture.track import KEPT, ROW, LandmarkTrack
 from mien.errors import InputError
 from mien.face.library import generic_face
@@ -35,6 +35,33 @@ def model(seed: int) -> HeadModel:
     return HeadModel(
         random.normal(size=(24, 3)) * 40.0, random.normal(size=(3, 24, 3)) * 4.0, np.arange(12)
     )
+
+
+def linearize(model, rays, rotation, translation, weights):
+    """The kernel's numpy twin: residual (F, N, 2) and its Jacobian (F, 6 + K, N, 2) in a left
+    rotation increment about the head's origin, the translation and the weights."""
+    frames, points, shapes = len(rays), len(model.neutral), len(model.shapes)
+    back = np.swapaxes(rotation, 1, 2)
+    shape = model.neutral + np.tensordot(weights, model.shapes, axes=1)
+    turned = shape @ back
+    place = turned + translation[:, None]
+    residual = rays * place[..., 2:] - place[..., :2]
+    jacobian = np.zeros((frames, 6 + shapes, points, 2))
+    x, y, z = np.moveaxis(turned, -1, 0)
+    # An increment omega moves a place by omega x (x, y, z).
+    jacobian[:, 0] = rays * y[..., None]
+    jacobian[:, 1] = rays * -x[..., None]
+    jacobian[:, 0, :, 1] += z
+    jacobian[:, 1, :, 0] -= z
+    jacobian[:, 2, :, 0] = y
+    jacobian[:, 2, :, 1] = -x
+    jacobian[:, 3, :, 0] = -1.0
+    jacobian[:, 4, :, 1] = -1.0
+    jacobian[:, 5] = rays
+    moved = (model.shapes.reshape(-1, 3) @ back).reshape(frames, shapes, points, 3)
+    np.multiply(rays[:, None], moved[..., 2:], out=jacobian[:, 6:])
+    jacobian[:, 6:] -= moved[..., :2]
+    return residual, jacobian
 
 
 def project(rotation, translation, shape):
@@ -68,6 +95,28 @@ def test_jacobian_equals_central_differences(seed):
         ]
         numeric = (ends[0] - ends[1]) / (2 * step)
         np.testing.assert_allclose(jacobian[:, column], numeric, atol=1e-5)
+
+
+@settings(max_examples=10, deadline=None)
+@given(st.integers(0, 10_000))
+def test_the_kernel_sums_what_its_twin_lays_out(seed):
+    random = np.random.default_rng(seed)
+    face = model(seed)
+    turn = from_vector(random.normal(size=(3, 3)) * 0.3) @ FRONTAL
+    shift = np.array([0.0, 0.0, 600.0]) + random.normal(size=(3, 3)) * 30.0
+    weights = random.uniform(0, 1, (3, 3))
+    rays = random.normal(size=(3, 24, 2)) * 0.1
+    sigma, knee = 1.5, 2.5
+    residual, jacobian = linearize(face, rays, turn, shift, weights)
+    size2 = (residual**2).sum(-1, keepdims=True) / sigma**2
+    trust = 1.0 / (1.0 + size2 / knee**2) / sigma**2
+    flat = jacobian.reshape(3, 9, -1)
+    trusted = (jacobian * trust[:, None]).reshape(3, 9, -1)
+    shapes = np.ascontiguousarray(np.moveaxis(face.shapes, 0, 2))
+    normal, right = accumulate(face.neutral, shapes, rays, turn, shift, weights, sigma, knee)
+    np.testing.assert_allclose(normal, trusted @ np.swapaxes(flat, 1, 2), rtol=1e-9, atol=1e-9)
+    wanted = -(trusted @ residual.reshape(3, -1, 1))[..., 0]
+    np.testing.assert_allclose(right, wanted, rtol=1e-9, atol=1e-6)
 
 
 @settings(max_examples=20, deadline=None)

@@ -19,6 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from mien.capture.normal_equations import accumulate
 from mien.numeric.rotation import from_vector
 
 Array = NDArray[np.float64]
@@ -130,13 +131,16 @@ def _step(
     settings: FitSettings,
 ) -> tuple[Array, Array, Array]:
     """One Gauss-Newton step on pose and weights; weights that press against a bound rest there."""
-    residual, jacobian = linearize(model, rays, rotation, translation, weights)
-    norm2 = (residual**2).sum(-1, keepdims=True) / settings.residual_sigma**2
-    trust = 1.0 / (1.0 + norm2 / settings.knee**2) / settings.residual_sigma**2
-    frames, unknowns = jacobian.shape[:2]
-    trusted = (jacobian * trust[:, None]).reshape(frames, unknowns, -1)
-    normal = trusted @ np.swapaxes(jacobian.reshape(trusted.shape), 1, 2)
-    right = -(trusted @ residual.reshape(frames, -1, 1))[..., 0]
+    normal, right = accumulate(
+        model.neutral,
+        np.ascontiguousarray(np.moveaxis(model.shapes, 0, 2)),
+        rays,
+        rotation,
+        translation,
+        weights,
+        settings.residual_sigma,
+        settings.knee,
+    )
     prior = 1.0 / settings.weight_sigma**2
     diagonal = np.arange(6, normal.shape[-1])
     normal[:, diagonal, diagonal] += prior
@@ -145,7 +149,7 @@ def _step(
         (weights >= settings.weight_max) & (right[:, 6:] > 0.0)
     )
     normal[:, diagonal, diagonal] += 1e9 * pressed
-    step = np.linalg.solve(normal, right[..., None])[..., 0]
+    step = np.asarray(np.linalg.solve(normal, right[..., None])[..., 0], dtype=np.float64)
     return (
         from_vector(step[:, :3]) @ rotation,
         translation + step[:, 3:6],
@@ -158,32 +162,3 @@ def residuals(model: HeadModel, rays: Array, fit: HeadFit) -> Array:
     shape = model.neutral + np.tensordot(fit.weights, model.shapes, axes=1)
     place = shape @ np.swapaxes(fit.rotation, 1, 2) + fit.translation[:, None]
     return np.asarray(rays * place[..., 2:] - place[..., :2])
-
-
-def linearize(
-    model: HeadModel, rays: Array, rotation: Array, translation: Array, weights: Array
-) -> tuple[Array, Array]:
-    """Residual (F, N, 2) and its Jacobian (F, 6 + K, N, 2) in a left rotation increment about the
-    head's origin, the translation and the weights."""
-    frames, points, shapes = len(rays), len(model.neutral), len(model.shapes)
-    back = np.swapaxes(rotation, 1, 2)
-    shape = model.neutral + np.tensordot(weights, model.shapes, axes=1)
-    turned = shape @ back
-    place = turned + translation[:, None]
-    residual = rays * place[..., 2:] - place[..., :2]
-    jacobian = np.zeros((frames, 6 + shapes, points, 2))
-    x, y, z = np.moveaxis(turned, -1, 0)
-    # An increment omega moves a place by omega x (x, y, z).
-    jacobian[:, 0] = rays * y[..., None]
-    jacobian[:, 1] = rays * -x[..., None]
-    jacobian[:, 0, :, 1] += z
-    jacobian[:, 1, :, 0] -= z
-    jacobian[:, 2, :, 0] = y
-    jacobian[:, 2, :, 1] = -x
-    jacobian[:, 3, :, 0] = -1.0
-    jacobian[:, 4, :, 1] = -1.0
-    jacobian[:, 5] = rays
-    moved = (model.shapes.reshape(-1, 3) @ back).reshape(frames, shapes, points, 3)
-    np.multiply(rays[:, None], moved[..., 2:], out=jacobian[:, 6:])
-    jacobian[:, 6:] -= moved[..., :2]
-    return residual, jacobian
