@@ -42,7 +42,7 @@ def _by_region(**values: float) -> Array:
 
 SIGMA = _by_region(lips=1.0, brows=1.5, cheeks=2.0, nose=1.5, chin=3.0, lids=1.0, corners=2.0)
 """(P,) mm, standard error of the network's points."""
-GAIN = _by_region(lips=1.15, brows=1.6, cheeks=1.6, nose=1.6, chin=1.6, lids=1.0, corners=1.0)
+GAIN = _by_region(lips=1.15, brows=2.0, cheeks=1.6, nose=1.6, chin=1.6, lids=1.0, corners=1.0)
 """(P,) the network under-reports motion, each region by its own factor; this undoes it."""
 SPANS = (
     *(
