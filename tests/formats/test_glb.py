@@ -104,7 +104,7 @@ def test_a_head_that_stays_has_no_channel_for_travel(toy_face: Character, tmp_pa
     still = replace(curves, translation=np.zeros_like(curves.translation))
     write_glb(tmp_path / "a.glb", toy_face, still)
     paths = set(Reader(tmp_path / "a.glb").channels())
-    assert ("head", "translation") not in paths
+    assert not any(path == "translation" for _, path in paths)
     assert ("head", "rotation") in paths
 
 

@@ -47,8 +47,9 @@ class Poser:
     ) -> Array:
         """Vertices (V, 3) in the world, mm.
 
-        ``weights`` (W,); ``rotation`` (3, 3) and ``translation`` (3,) mm of the head, which the
-        body does not follow; ``gaze`` (2, 2) yaw and pitch of the left and right eye, radians.
+        ``weights`` (W,); ``rotation`` (3, 3) of the head, which the body does not follow;
+        ``translation`` (3,) mm, with which the body goes too: necks turn, they do not stretch;
+        ``gaze`` (2, 2) yaw and pitch of the left and right eye, radians.
         """
         vertices = self.morph(weights)
         if gaze is not None:
@@ -57,8 +58,7 @@ class Poser:
         if rotation is not None:
             _turn(vertices, self._head, rotation, self.face.pivots["head"])
         if translation is not None:
-            for run in self._head:
-                vertices[run] += translation
+            vertices += translation
         return vertices
 
     def at(self, curves: Curves, frame: int) -> Array:

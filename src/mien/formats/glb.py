@@ -1,6 +1,6 @@
 """A character, still or acting, as one GLB file for Blender, the web and games.
 
-    <character>             metres, +Y up, +Z out of the face, +X to the subject's left
+    <character>             metres, +Y up, +Z out of the face, +X to the subject's left; travels
       head                  turns about the neck
         face                every part that a morph target moves, with all morph targets
         eye_left, eye_right turn about their centres
@@ -43,7 +43,7 @@ def write_glb(path: Path, character: Character, curves: Curves | None = None) ->
     """Write ``character`` to ``path``, with one animation where ``curves`` are given.
 
     With curves the morph targets are those the curves name; without, the pieces and after them
-    the whole key models. A head that never travels gets no channel for it.
+    the whole key models. A performer who never travels gets no channel for it.
     Raises OutputError; ValueError where the curves name a target the character has not.
     """
     scene = _laid_out(character, None if curves is None else curves.names)
@@ -281,10 +281,9 @@ def _animation(scene: _Scene, buffer: GltfBuffer, curves: Curves) -> Json:
     for node, group in scene.morphing:
         weights = curves.weights[:, group.targets].astype(np.float32)
         channel(node, "weights", add(weights.ravel()))
-    head, pivot = scene.carriers["head"], scene.face.pivots["head"]
-    channel(head, "rotation", add(_quaternions(curves.rotation)))
+    channel(scene.carriers["head"], "rotation", add(_quaternions(curves.rotation)))
     if curves.translation.any():
-        channel(head, "translation", add(_metres(curves.translation + pivot)))
+        channel(scene.carriers["body"], "translation", add(_metres(curves.translation)))
     for side, eye in enumerate(("eye_left", "eye_right")):
         turns = _quaternions(from_gaze(curves.gaze[:, side]))
         channel(scene.carriers[eye], "rotation", add(turns))

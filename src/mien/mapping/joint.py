@@ -102,7 +102,7 @@ class JointMapper:
         return np.asarray(weights @ (own / np.maximum(own.sum(axis=0), 1)))
 
     def _head(self, performance: Performance) -> tuple[Array, Array]:
-        """Rotation (F, 3, 3) about the character's neck and translation (F, 3) mm of the neck.
+        """Rotation (F, 3, 3) about the character's neck and translation (F, 3) mm of all of it.
 
         A performance tells where the point between the eyes is; a neck that turns already carries
         it about, and only the rest is a step to the side.

@@ -24,7 +24,7 @@ class Curves:
     rotation: Array
     """(F, 3, 3) of the head about its pivot, from its straight look."""
     translation: Array
-    """(F, 3) mm, of the head."""
+    """(F, 3) mm, of the whole character."""
     gaze: Array
     """(F, 2, 2) left, right eye; yaw (+ to the subject's left), pitch (+ up), radians."""
     lost: NDArray[np.bool_]

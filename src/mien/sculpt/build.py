@@ -32,8 +32,9 @@ from mien.sculpt.solid import Solid
 
 Array = NDArray[np.float64]
 
-_NECK = np.array([0.0, -78.0, -62.0])
-"""What the head turns about: the middle of the neck, in the sculpting frame."""
+_NECK = np.array([0.0, -104.0, -58.0])
+"""What the head turns about, in the sculpting frame: the middle of the collar, so that the neck
+leaves it where it entered it."""
 _SMOOTHINGS = 3
 """Rounds of averaging over the skin's neighbours, for occlusion."""
 _IN_MOUTH = 0.45
