@@ -25,6 +25,8 @@ BLINKS = frozenset({"blink", "blink_left", "blink_right"})
 
 Cells = NDArray[np.bool_]
 
+_MIDLINE = 24.0
+"""mm over which left fades into right: lips pulled to one side must bend and not break."""
 _BLEND = 10.0
 """mm over which neighbouring masks fade into each other, on a face with pupils 63 mm apart."""
 _BROW_OVER_EYE = (
@@ -101,7 +103,7 @@ def _level(face: Face, left: str, right: str) -> float:
 
 def side_masks(face: Face, places: Array) -> Array:
     """(2, N) share of the left and right half; columns sum to 1."""
-    left = _ramp(places[:, 0], _BLEND * _scale(face))
+    left = _ramp(places[:, 0], _MIDLINE * _scale(face))
     return np.stack([left, 1.0 - left])
 
 
