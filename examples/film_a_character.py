@@ -1,6 +1,6 @@
 """Film a character that acts a few of its key models: how mien's own sample take is made.
 
-    python examples/film_a_character.py woman sample.mp4
+python examples/film_a_character.py woman sample.mp4
 """
 
 import sys

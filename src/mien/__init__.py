@@ -5,11 +5,15 @@ curves = mien.animate(performance, "man")
 mien.save(curves, "man.glb", mien.load_character("man"))
 """
 
-# Bound here and not when asked for: the function ``capture`` shares its name with a room, and
-# whichever is bound last wins.
-from mien.face.library import CHARACTERS, load_character
-from mien.formats.save import save
-from mien.recipe import animate, capture, film, load_performance, save_performance
+import sys
+from importlib import import_module
+from types import ModuleType
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from mien.face.library import CHARACTERS, load_character
+    from mien.formats.save import save
+    from mien.recipe import animate, capture, film, load_performance, save_performance
 
 __all__ = [
     "CHARACTERS",
@@ -21,3 +25,31 @@ __all__ = [
     "save",
     "save_performance",
 ]
+
+_HOME = dict.fromkeys(__all__, "mien.recipe") | {
+    "CHARACTERS": "mien.face.library",
+    "load_character": "mien.face.library",
+    "save": "mien.formats.save",
+}
+
+
+class _Front(ModuleType):
+    """Finds a public name when it is asked for: ``mien --help`` need not wait for the mathematics.
+
+    The function ``capture`` shares its name with a room, which the import system would put here
+    once it is loaded; the function keeps the name.
+    """
+
+    def __getattr__(self, name: str) -> object:
+        if name not in _HOME:
+            raise AttributeError(f"module 'mien' has no attribute '{name}'")
+        value = getattr(import_module(_HOME[name]), name)
+        setattr(self, name, value)
+        return value
+
+    def __setattr__(self, name: str, value: object) -> None:
+        if not (name in _HOME and isinstance(value, ModuleType)):
+            super().__setattr__(name, value)
+
+
+sys.modules[__name__].__class__ = _Front

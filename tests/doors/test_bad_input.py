@@ -13,6 +13,7 @@ import pytest
 from terminal import error_line, mien, needs_landmarks, start
 
 from clips import noise, write_video
+from mien.cli import interruption
 
 
 def test_a_missing_file(tmp_path: Path) -> None:
@@ -61,6 +62,24 @@ def test_a_capture_without_a_face(tmp_path: Path) -> None:
     write_video(tmp_path / "take.mp4", noise(5))
     assert "no face" in error_line(mien("capture", "take.mp4", cwd=tmp_path))
     assert [found.name for found in tmp_path.iterdir()] == ["take.mp4"]
+
+
+def test_a_result_never_takes_the_place_of_its_take(captured: Path, tmp_path: Path) -> None:
+    take = tmp_path / "take.csv"
+    mien("capture", captured, "-o", take, cwd=tmp_path)
+    before = take.read_bytes()
+    line = error_line(mien("animate", take, "-c", "man", "-o", "take.csv", cwd=tmp_path))
+    assert "take.csv" in line
+    assert take.read_bytes() == before
+
+
+def test_ctrl_c_that_native_code_swallowed_is_raised_later(monkeypatch) -> None:
+    monkeypatch.setattr(interruption, "_seen", [])
+    interruption.check()
+    with pytest.raises(KeyboardInterrupt):
+        interruption._interrupted(signal.SIGINT, None)
+    with pytest.raises(KeyboardInterrupt):
+        interruption.check()
 
 
 def test_an_unwritable_folder_is_told_before_the_work(take: Path, tmp_path: Path) -> None:

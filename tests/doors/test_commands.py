@@ -27,10 +27,11 @@ def test_characters_are_listed(tmp_path: Path) -> None:
 
 
 def test_a_character_is_shown_on_a_sheet(tmp_path: Path) -> None:
-    done = mien("character", "show", "toy", "-o", "sheets", cwd=tmp_path)
-    assert (done.stdout, done.stderr) == ("sheets/toy.png\n", "")
-    with Image.open(tmp_path / "sheets/toy.png") as sheet:
-        assert sheet.width > 1000
+    for output, sheet in (("sheets", "sheets/toy.png"), ("one.png", "one.png")):
+        done = mien("character", "show", "toy", "-o", output, cwd=tmp_path)
+        assert (done.stdout, done.stderr) == (f"{sheet}\n", "")
+        with Image.open(tmp_path / sheet) as picture:
+            assert picture.width > 1000
 
 
 def test_doctor_tells_what_works(tmp_path: Path) -> None:

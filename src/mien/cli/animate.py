@@ -18,7 +18,7 @@ from mien.cli.capture import (
 )
 from mien.cli.command import positive, remark, tell
 from mien.cli.progress import progress
-from mien.cli.results import results
+from mien.cli.results import results, spare
 from mien.errors import InputError
 
 if TYPE_CHECKING:
@@ -83,6 +83,8 @@ def run(options: argparse.Namespace) -> None:
 
     characters = [load_character(name) for name in options.characters or CHARACTERS]
     plan = _plan(options, [character.name for character in characters])
+    names = [file for files in plan.files for file in files] + [plan.preview or "."]
+    spare(options.take, (plan.folder / name for name in names))
     with results(plan.folder) as claim:
         performance = performance_of(options)
         acts: list[tuple[Character, Curves]] = []

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from mien.cli.command import not_negative, positive, remark, span, tell
 from mien.cli.progress import progress
-from mien.cli.results import results
+from mien.cli.results import results, spare
 from mien.errors import InputError
 
 if TYPE_CHECKING:
@@ -80,6 +80,7 @@ def run(options: argparse.Namespace) -> None:
     output: Path = options.output or Path(f"{take_name(options.take)}.mien")
     if output.suffix.lower() not in WRITERS:
         raise InputError(f"-o {output}: a performance is kept as {' or '.join(WRITERS)}")
+    spare(options.take, [output])
     with results(output.parent) as claim:
         performance = performance_of(options)
         save_performance(performance, claim(output.name))

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from mien.cli.command import tell
 from mien.cli.results import results
+from mien.errors import InputError
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -23,8 +24,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--output",
         type=Path,
         default=Path("out/characters"),
-        metavar="FOLDER",
-        help="show: where NAME.png goes (default: %(default)s)",
+        metavar="FOLDER|FILE.png",
+        help="show: where NAME.png goes, or a file for one character (default: %(default)s)",
     )
 
 
@@ -66,9 +67,14 @@ def _show(options: argparse.Namespace) -> None:
     from mien.view.contact_sheet import contact_sheet
 
     characters = [load_character(name) for name in options.names or CHARACTERS]
+    folder, names = options.output, [f"{character.name}.png" for character in characters]
+    if folder.suffix.lower() == ".png":
+        if len(characters) > 1:
+            raise InputError(f"-o {folder}: one file for {len(characters)} characters")
+        folder, names = folder.parent, [folder.name]
     written = []
-    with results(options.output) as claim:
-        for character in characters:
-            written.append(claim(f"{character.name}.png"))
+    with results(folder) as claim:
+        for character, name in zip(characters, names, strict=True):
+            written.append(claim(name))
             write_image(written[-1], contact_sheet(character))
     tell(options, {"files": [str(path) for path in written]}, *map(str, written))

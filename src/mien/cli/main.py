@@ -5,14 +5,12 @@ from __future__ import annotations
 import argparse
 import json
 import os
-import signal
 import sys
 import traceback
 from collections.abc import Sequence
 from importlib import metadata
-from typing import NoReturn
 
-from mien.cli import animate, capture, character, demo, doctor
+from mien.cli import animate, capture, character, demo, doctor, interruption
 from mien.cli.command import Command
 from mien.errors import MienError
 
@@ -24,13 +22,12 @@ COMMANDS: dict[str, Command] = {
     "doctor": doctor,
 }
 
-PLAIN_ERROR, INTERRUPTED, TERMINATED = 1, 130, 143
+PLAIN_ERROR, INTERRUPTED = 1, 130
 
 
 def run(arguments: Sequence[str] | None = None) -> int:
     """Entry point of ``mien``. Exit codes: 0, 1 (a plain error), 2 (usage), 130 (interrupted)."""
-    # Being told to end is cleaned up after like Ctrl-C: no half results stay behind.
-    signal.signal(signal.SIGTERM, _terminated)
+    interruption.listen()
     options = _parser().parse_args(arguments)
     try:
         COMMANDS[options.command].run(options)
@@ -70,7 +67,3 @@ def _parser() -> argparse.ArgumentParser:
             commands.add_parser(name, help=summary, description=summary, parents=[common])
         )
     return parser
-
-
-def _terminated(signum: int, frame: object) -> NoReturn:
-    raise SystemExit(TERMINATED)

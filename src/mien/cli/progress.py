@@ -6,15 +6,17 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
+from mien.cli.interruption import check
+
 Progress = Callable[[int, int | None], None]
 
 
 @contextmanager
-def progress(what: str) -> Iterator[Progress | None]:
-    """Show a bar for ``what`` on standard error, and give what to call with the number done and
-    the number expected (None: unknown). Gives None where nobody watches."""
+def progress(what: str) -> Iterator[Progress]:
+    """Show a bar for ``what`` on standard error where somebody watches, and give what to call with
+    the number done and the number expected (None: unknown)."""
     if not sys.stderr.isatty():
-        yield None
+        yield lambda done, expected: check()
         return
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, TextColumn, TimeRemainingColumn
@@ -27,6 +29,7 @@ def progress(what: str) -> Iterator[Progress | None]:
         task = bars.add_task(what, total=None)
 
         def show(done: int, expected: int | None) -> None:
+            check()
             bars.update(task, completed=done, total=expected)
 
         yield show

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import shutil
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from mien.errors import OutputError
+from mien.cli.interruption import check
+from mien.errors import InputError, OutputError
 
 
 @contextmanager
@@ -30,6 +31,7 @@ def results(folder: Path) -> Iterator[Callable[[str], Path]]:
     try:
         _prepare(folder, made)
         yield claim
+        check()
     except BaseException:
         for path in added:
             if path.is_dir():
@@ -40,6 +42,13 @@ def results(folder: Path) -> Iterator[Callable[[str], Path]]:
             with suppress(OSError):
                 path.rmdir()
         raise
+
+
+def spare(take: str, files: Iterable[Path]) -> None:
+    """Raise InputError where a result would take the place of what it is made from."""
+    for file in files:
+        if file.exists() and Path(take).exists() and file.samefile(take):
+            raise InputError(f"-o {file}: that is the take itself; choose another name")
 
 
 def _prepare(folder: Path, made: list[Path]) -> None:

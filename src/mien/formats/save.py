@@ -44,7 +44,8 @@ def place(path: Path) -> Path:
     """Where ``save`` puts what is called ``path``. Raises InputError for an unknown ending."""
     if path.suffix.lower() not in SAVERS:
         raise InputError(
-            f"{path}: cannot write files of that ending; there are {', '.join(sorted(SAVERS))}"
+            f"{path}: cannot write files of that ending; there are {', '.join(sorted(SAVERS))}, "
+            "and .mp4 for a film"
         )
     return path.with_suffix("") if path.suffix.lower() in FOLDERS else path
 
