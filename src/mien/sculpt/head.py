@@ -9,11 +9,12 @@ from numpy.typing import NDArray
 
 from mien.numeric.normals import vertex_normals
 from mien.sculpt.cage import cage
+from mien.sculpt.ease import eased
 from mien.sculpt.expression import Expression
 from mien.sculpt.neutral import neutral_cage
 from mien.sculpt.pose import posed_cage
 from mien.sculpt.proportions import Proportions
-from mien.sculpt.skin import skin_of
+from mien.sculpt.skin import clear_of_eyes
 
 Array = NDArray[np.float64]
 
@@ -49,17 +50,21 @@ class Head:
         if expression.is_right_sided():
             return self.posed(expression.mirrored()).mirrored()
         places = posed_cage(self.cage, self.proportions, expression)
-        head = _head(self.proportions, expression, places)
+        eye = self.proportions.eye
+        moved = self.skin + cage().subdivision.matrix @ (places - self.cage)
+        skin = eased(self.skin, clear_of_eyes(moved, eye), eye)
+        head = _head(self.proportions, expression, places, skin)
         return _symmetrised(head) if expression.is_symmetric() else head
 
 
 def neutral_head(proportions: Proportions) -> Head:
     """The head at rest, its own mirror image."""
-    return _symmetrised(_head(proportions, Expression(), neutral_cage(proportions)))
+    places = neutral_cage(proportions)
+    skin = clear_of_eyes(cage().subdivision.matrix @ places, proportions.eye)
+    return _symmetrised(_head(proportions, Expression(), places, skin))
 
 
-def _head(proportions: Proportions, expression: Expression, places: Array) -> Head:
-    skin = skin_of(places, proportions.eye)
+def _head(proportions: Proportions, expression: Expression, places: Array, skin: Array) -> Head:
     triangles = cage().subdivision.triangles
     return Head(
         proportions, expression, places, skin, vertex_normals(skin, triangles.astype(np.int32))

@@ -21,7 +21,18 @@ _OUTWARD = np.stack([0.9 * np.cos(_ANGLE), np.sin(_ANGLE)], axis=1)
 _OUTWARD /= np.linalg.norm(_OUTWARD, axis=1, keepdims=True)
 _MEET = 0.62
 """Closed lids meet at this part of the lower lid's depth: the lower lid rises the rest."""
-_OVERLAP = 0.05
+_TILT_BELOW = 0.4
+"""Part of a tilt that the lower lid follows, or a tilted eye would not close."""
+_CORNER = 0.24
+"""The corners sink by this part of what the middle of the meeting line lies lower: lids that went
+past them would turn over."""
+_MIDDLE = 0.14
+"""The middle passes less far: lids that are closed as far as the feature points there tell are
+closed all along."""
+_BULGE = 0.8
+"""mm by which a closed upper lid stands off farther: one that was wide open is moved by more than
+a blink, along the same chord."""
+_OVERLAP = 0.045
 """Part of the opening by which each closed margin of the cage passes the meeting line: subdivision
 draws it back by as much."""
 
@@ -86,13 +97,16 @@ def margin(eye: EyeShape, pose: LidPose) -> tuple[Array, Array]:
     across = eye.half_width * cosine
     top = eye.upper * sine**0.85 * (1 - eye.peak * cosine)
     bottom = -eye.lower * sine**0.9 * (1 + 1.3 * eye.peak * cosine)
-    meet = _MEET * bottom
-    top = top - pose.tilt * eye.upper / 10 * cosine * sine**0.8
+    meet = -_MEET * eye.lower * (_CORNER + (1 - _CORNER) * sine**2.4)
+    meet *= 1 + 1.3 * eye.peak * cosine * sine
+    tilt = pose.tilt * eye.upper / 10 * cosine * sine**0.8
+    top, bottom = top - tilt, bottom - _TILT_BELOW * tilt
     # Nothing to pass at the corners, where the lids hang together.
-    past = (_OVERLAP * (eye.upper + eye.lower) + 0.15) * sine
+    past = (_OVERLAP * (eye.upper + eye.lower) + 0.25) * (sine**0.7 - _MIDDLE * sine**12)
     top = top + (meet - past - top) * pose.upper
     bottom = bottom + (meet + past - bottom) * pose.lower
-    above = np.where(UPPER, top, np.where(LOWER, bottom, 0.0))
+    corner = meet * max(pose.upper, 0.0)
+    above = np.where(UPPER, top, np.where(LOWER, bottom, corner))
     return across + pose.aside * sine, above + eye.tilt * cosine
 
 
@@ -101,7 +115,7 @@ def lid_loops(eye: EyeShape, side: int, pose: LidPose) -> tuple[Array, Array, Ar
     loop rides with it."""
     rest = eye.radius + eye.offset
     across, above = margin(eye, pose)
-    tuck = np.where(UPPER, 1 - 1.2 * pose.upper, 1.0)
+    tuck = np.where(UPPER, 1 - 0.5 * pose.upper, 1.0)
     inner = on_ball(
         eye,
         side,
@@ -117,7 +131,7 @@ def lid_loops(eye: EyeShape, side: int, pose: LidPose) -> tuple[Array, Array, Ar
         side,
         u + wide * _OUTWARD[:, 0],
         v + wide * _OUTWARD[:, 1],
-        rest + np.where(UPPER, 0.9, 0.45),
+        rest + np.where(UPPER, 0.9 + _BULGE * max(pose.upper, 0.0), 0.45),
     )
     wide = np.where(UPPER, eye.crease, 6.5)
     u, v = margin(eye, LidPose(0.16 * pose.upper, 0.2 * pose.lower, 0.25 * pose.tilt))

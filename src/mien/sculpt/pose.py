@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from mien.sculpt.brush import ramp
 from mien.sculpt.cage import LIDS, LIPS, cage
 from mien.sculpt.expression import Expression
 from mien.sculpt.lids import LidPose, lid_loops
-from mien.sculpt.lips import ACROSS, SIDE
+from mien.sculpt.lips import ACROSS, FULL, INNER_OVERLAP, SIDE, lip_volumes
 from mien.sculpt.proportions import Proportions
 from mien.vocabulary import topology
 
@@ -28,7 +29,15 @@ _PUCKER = (0.78, 1.08, 1.05, 0.72)
 """How far each lip loop goes forward in a pucker: the lips turn out."""
 _BAG_FOLLOWS = (1.0, 0.9, 0.5, 0.2, 0.1)
 _THINNEST = 0.3
+_LITTLE = 0.12
 _BROW_WEIGHT = 4.0
+_VOLUMES = (0.84, 1.21)
+"""A lip that would have less of its neutral volume keeps the rest rolled in behind its edge; one
+that would have more takes it from there, and is thinner where that is not enough."""
+_ROUNDS = 8
+_ROLL = 9.0
+"""mm back for a whole lip's volume, a first guess."""
+_MOST_OUT = 2.6
 _UPPER_CLOSES = 0.3
 """Part of the way that the upper lip goes to meet the lower."""
 
@@ -63,13 +72,48 @@ def lid_pose(expression: Expression, side: int) -> LidPose:
 
 def posed_cage(neutral: Array, proportions: Proportions, expression: Expression) -> Array:
     """(count, 3) the ``neutral`` cage with ``expression`` on it."""
+    flesh = Flesh()
+    rest = _lip_volumes(neutral)
+    for _ in range(_ROUNDS):
+        places = _posed(neutral, proportions, expression, flesh)
+        ratio = _lip_volumes(places) / rest
+        if (ratio == np.clip(ratio, *_VOLUMES)).all():
+            break
+        flesh = flesh.nearer(ratio)
+    return places
+
+
+@dataclass(frozen=True, slots=True)
+class Flesh:
+    """What keeps a lip's volume: of the upper and the lower."""
+
+    thick: Array = field(default_factory=lambda: np.ones(2))
+    """Factors of its height."""
+    rolled: Array = field(default_factory=lambda: np.zeros(2))
+    """mm by which it reaches farther back into the mouth, or less far."""
+
+    def nearer(self, ratio: Array) -> Flesh:
+        """The same after volumes were ``ratio`` (2,) times those at rest."""
+        least, most = _VOLUMES
+        lack, excess = np.maximum(0.0, 1.02 * least - ratio), np.maximum(0.0, ratio - 0.98 * most)
+        rolled = np.maximum(self.rolled + _ROLL * (lack - excess), -_MOST_OUT)
+        drained = (excess > 0) & (rolled <= -_MOST_OUT)
+        return Flesh(self.thick * np.where(drained, np.sqrt(0.99 * most / ratio), 1.0), rolled)
+
+
+def _lip_volumes(places: Array) -> Array:
+    mesh = cage()
+    return lip_volumes(mesh.subdivision.matrix[: mesh.count] @ places)
+
+
+def _posed(neutral: Array, proportions: Proportions, expression: Expression, flesh: Flesh) -> Array:
     mesh = cage()
     places = jaw.turned(neutral, jaw.shares(), expression)
     handles = Handles(mesh.count)
     _hold_still(handles)
     _pull_lids(handles, proportions, expression)
     _pull_brows(handles, proportions, expression)
-    _pull_lips(handles, places, neutral, proportions, expression)
+    _pull_lips(handles, places, neutral, proportions, expression, flesh)
     _pull_cheeks(handles, proportions, expression)
     return places + spread(mesh.laplacian, handles, _STIFFNESS)
 
@@ -115,6 +159,7 @@ def _pull_lips(
     neutral: Array,
     proportions: Proportions,
     expression: Expression,
+    flesh: Flesh,
 ) -> None:
     """The lips are two wires that move with all their loops; the bag follows the inner edge."""
     mesh, mouth, temper = cage(), proportions.mouth, proportions.temper
@@ -133,22 +178,28 @@ def _pull_lips(
     corner = np.stack([corner_x * ACROSS, corner_y * _TO_CORNER, corner_z * _TO_CORNER], axis=1)
     thick = np.where(upper, expression.upper_thick, np.where(lower, expression.lower_thick, 1.0))
     # A temper that exaggerates must not turn lips inside out.
-    thick = np.maximum(temper.lip_thickness * (thick - 1), _THINNEST - 1)
+    thick = 1 + np.maximum(temper.lip_thickness * (thick - 1), _THINNEST - 1)
+    thick = thick * np.where(upper, flesh.thick[0], np.where(lower, flesh.thick[1], 1.0)) - 1
+    rolled = np.where(upper, flesh.rolled[0], flesh.rolled[1]) * np.sqrt(FULL)[:, None]
+    rolled = np.hstack([0 * rolled, 0.5 * SIDE[:, None] * np.maximum(rolled, 0), -rolled])
     forward = expression.pucker * scale * (1 - 0.35 * _ASIDE**2)
     aside = np.array([expression.lips_aside * scale, 0, 0])
     closing = expression.close * _closing(places, neutral)
 
     inner = places[LIPS[0]]
+    # Lips that thin much need less of the overlap that subdivision opens.
+    height = (places[LIPS[3]] - inner) * [0, 1, 0] / (1 + INNER_OVERLAP)
+    apart = INNER_OVERLAP * height * np.maximum(-thick - _LITTLE, 0)
     for number, loop in enumerate(LIPS[:4]):
         pull = middle + quarter + corner
         pull[:, 0] -= places[loop, 0] * expression.narrow
         pull[:, 2] += forward * _PUCKER[number]
         pull += thick * (places[loop] - inner) * [1, 1, 0.6]
-        pull = gain * pull + aside + closing
+        pull = gain * (pull + apart) + aside + closing
         handles.add(loop, pull, 60.0)
         if number == 0:
             for ring, share in zip(mesh.bag, _BAG_FOLLOWS, strict=True):
-                handles.add(ring, share * pull, 20.0)
+                handles.add(ring, share * (pull + share**3 * rolled), 20.0)
     skin = 0.55 * middle + corner * [0.8, 0.92, 0.7]
     skin[:, 0] -= 0.5 * places[LIPS[4], 0] * expression.narrow
     skin[:, 2] += 0.45 * expression.pucker * scale

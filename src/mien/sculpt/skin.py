@@ -49,10 +49,9 @@ def labels() -> Labels:
     )
 
 
-def skin_of(places: Array, eye: EyeShape) -> Array:
-    """(fine, 3) skin of cage ``places``, pushed out of the eyeballs where it would cut them."""
-    mesh, label = cage(), labels()
-    skin = np.asarray(mesh.subdivision.matrix @ places)
+def clear_of_eyes(skin: Array, eye: EyeShape) -> Array:
+    """(fine, 3) ``skin`` pushed out of the eyeballs where it would cut them."""
+    label, skin = labels(), skin.copy()
     outside = (label.lid_inside < 0.02) & (label.mask > 0.9)
     clearance = eye.radius + eye.offset * np.where(label.lid_edge > 0.3, 0.95, 0.7)
     for side in (1, -1):

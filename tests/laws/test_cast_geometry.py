@@ -1,0 +1,258 @@
+"""The cast's geometry in every key model, whole and half, and in pairs that people mix."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from itertools import combinations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from mien.face.character import Character
+from mien.face.library import CHARACTERS, GENERIC, load_character
+from mien.mapping.lids import MARGINS
+from mien.sculpt import soundness
+from mien.sculpt.cage import LIPS, cage
+from mien.sculpt.cast import CAST
+from mien.sculpt.lips import lip_volumes
+from mien.sculpt.repertoire import go_together
+from mien.sculpt.skin import labels
+from mien.sculpt.units import STARTS
+
+Array = NDArray[np.float64]
+Weights = dict[str, float]
+
+SKIN = len(cage().fine_mirror)
+PAIRS = 200
+BLINKS = (("blink_left", "eyeBlinkLeft"), ("blink_right", "eyeBlinkRight"))
+SHUT = ("pressed", "pucker", "viseme_p", "viseme_f")
+
+
+@dataclass(frozen=True)
+class Measures:
+    """What is measured of a pose; as limits, what is allowed."""
+
+    turned: float = 0.0
+    """Skin triangles turned by more than 102 degrees."""
+    flat: float = 0.0
+    """Skin triangles less than a micrometre high."""
+    eyeball: float = 0.2
+    """mm that skin reaches into an eyeball."""
+    gap: float = 0.3
+    """mm between lids that are closed."""
+    thin: float = 0.75
+    thick: float = 1.3
+    """Lips' volumes next to those at rest."""
+
+
+LIMITS = Measures()
+HALVES = Measures(thick=1.4)
+"""Half of a grin and half of a pucker, one on the other, leave lips too full: each keeps their
+volume for itself."""
+
+KEYS = {"toy": Measures(turned=6)}
+"""Short of LIMITS: its lids are so large that at their corners, where they meet, five triangles of
+a few square millimetres turn by up to 121 degrees as it blinks."""
+
+GENERIC_LIPS = ("jawOpen", "jaw_open")
+TILTED, WIDE = ("sad", "anger", "disgust"), ("surprise", "fear")
+BLINK, ASIDE = ("blink", "eyeBlink"), ("jaw_left", "jaw_right", "jawLeft", "jawRight")
+SMILE = ("smile", "laugh", "wide", "sad", "anger")
+TOLD = (
+    # A lid that another key model has tilted or opened wide is moved by a blink along the chord of
+    # a straight one: it closes less straight and passes nearer the ball.
+    ("generic", TILTED, BLINK, Measures(turned=1, gap=0.6)),
+    ("man", TILTED, BLINK, Measures(turned=2, gap=0.6)),
+    ("woman", TILTED, BLINK, Measures(turned=4, gap=0.6)),
+    ("monkey", TILTED, BLINK, Measures(turned=5, gap=0.7)),
+    ("toy", TILTED, BLINK, Measures(turned=11, gap=0.95)),
+    ("generic", WIDE, BLINK, Measures(turned=1, eyeball=0.25, gap=0.55)),
+    ("man", WIDE, BLINK, Measures(eyeball=0.25, gap=0.6)),
+    ("woman", WIDE, BLINK, Measures(eyeball=0.45, gap=0.7)),
+    ("monkey", WIDE, BLINK, Measures(turned=1, eyeball=0.9, gap=0.85)),
+    ("toy", WIDE, BLINK, Measures(turned=7, gap=1.0)),
+    # The corners of its own blink, and of both of them.
+    ("toy", BLINK, ("",), Measures(turned=2, gap=0.33)),
+    ("monkey", BLINK, SMILE, Measures(turned=1)),
+    # A grin's lips are as full as lips may be before the jaw stretches them.
+    ("generic", GENERIC_LIPS, ("mouthStretch",), Measures(thick=1.36)),
+    ("man", ("jaw_open",), SMILE, Measures(thick=1.36)),
+    ("woman", ("jaw_open",), SMILE, Measures(thick=1.36)),
+    # Small triangles in the corners of a mouth that is drawn up or down and moved aside.
+    ("monkey", ("jaw_open",), ("sad",), Measures(turned=4)),
+    ("man", ASIDE, SMILE, Measures(turned=4)),
+    ("woman", ASIDE, SMILE, Measures(turned=3)),
+    ("monkey", ASIDE, SMILE, Measures(turned=1)),
+    ("toy", ASIDE, SMILE, Measures(turned=1)),
+)
+"""Pairs that fall short of LIMITS and by how much: of whom, beginnings of the names of either."""
+
+
+@pytest.fixture(params=(GENERIC, *CHARACTERS), scope="module")
+def character(request: pytest.FixtureRequest) -> Character:
+    return load_character(request.param)
+
+
+def posed(character: Character, weights: Weights) -> Array:
+    places = character.face.vertices.copy()
+    for key, weight in weights.items():
+        places += weight * character.keys[key]
+        if key in STARTS and "jawOpen" in character.keys.names:
+            places += weight * character.keys["jawOpen"]
+    return places
+
+
+def opening(character: Character, places: Array) -> Array:
+    """(2,) how far the middles of the lids are apart, left and right."""
+    points = character.face.points
+    margins = points.at(places)[points.index([fdp for pair in MARGINS for fdp in pair]), 1]
+    return np.asarray(margins[::2] - margins[1::2])
+
+
+def mixed(character: Character, weights: Weights) -> tuple[Array, Array]:
+    """Vertices of a mixture, and (2,) how far it closes the eyes. As in the mapping, a blink does
+    what is missing after all else has moved the lids; the wanted closure is the strongest."""
+    rest = opening(character, character.face.vertices)
+    moves = {
+        key: weight * opening(character, character.keys[key]) for key, weight in weights.items()
+    }
+    closures = np.array([-move / rest for move in moves.values()])
+    closure = np.take_along_axis(closures, np.abs(closures).argmax(axis=0)[None], axis=0)[0]
+    others = {key: w for key, w in weights.items() if key not in (*BLINKS[0], *BLINKS[1])}
+    missing = rest + sum(moves[key] for key in others) - (1 - np.minimum(closure, 1)) * rest
+    for side, names in enumerate(BLINKS):
+        blink = next(name for name in names if name in character.keys.names)
+        shuts = -opening(character, character.keys[blink])[side]
+        others[blink] = float(np.clip(missing[side] / shuts, 0, 2))
+    return posed(character, others), closure
+
+
+def measured(character: Character, places: Array, closure: Array) -> Measures:
+    face = character.face
+    rest = face.vertices[:SKIN]
+    skin = places[:SKIN]
+    volumes = lip_volumes(skin) / lip_volumes(rest)
+    shut = [float(soundness.lid_gap(skin, side)) for side in (0, 1) if closure[side] > 0.98]
+    return Measures(
+        turned=float((soundness.turned(rest, skin) > 102).sum()),
+        flat=float((soundness.thinness(skin) < 0.001).sum()),
+        eyeball=_radius(character) - _nearest(character, skin),
+        gap=max(shut, default=0.0),
+        thin=float(volumes.min()),
+        thick=float(volumes.max()),
+    )
+
+
+def _radius(character: Character) -> float:
+    return CAST[character.name].proportions.eye.radius
+
+
+def _nearest(character: Character, skin: Array) -> float:
+    """mm from the middle of an eyeball to the nearest skin outside its lids."""
+    outer = skin[(labels().lid_inside < 0.02) & (labels().mask > 0.9)]
+    ahead = outer[outer[:, 2] > 0]
+    pivots = [character.face.pivots[f"eye_{side}"] for side in ("left", "right")]
+    return float(min(np.linalg.norm(ahead - pivot, axis=1).min() for pivot in pivots))
+
+
+def short_of(allowed: Measures, found: Measures) -> dict[str, float]:
+    """What of ``found`` is beyond what is ``allowed``."""
+    least = ("thin",)
+    return {
+        name: value
+        for name, value in asdict(found).items()
+        if (value < getattr(allowed, name) if name in least else value > getattr(allowed, name))
+    }
+
+
+def pairs(character: Character, together: bool, count: int) -> list[tuple[str, str]]:
+    """Key models drawn at random among those that go together, or among the others."""
+    every = [
+        pair for pair in combinations(character.keys.names, 2) if go_together(*pair) == together
+    ]
+    chosen = np.random.default_rng(10).choice(len(every), min(count, len(every)), replace=False)
+    return [every[row] for row in sorted(chosen)]
+
+
+def told(character: Character, pair: tuple[str, str]) -> Measures:
+    for name, first, second, allowed in TOLD:
+        if name == character.name and any(
+            a.startswith(first) and b.startswith(second) for a, b in (pair, pair[::-1])
+        ):
+            return allowed
+    return LIMITS
+
+
+@pytest.mark.parametrize("weight", [1.0, 0.5])
+def test_every_key_model_is_sound(character: Character, weight: float) -> None:
+    worse = {}
+    for key in character.keys.names:
+        places = posed(character, {key: weight})
+        shut = np.array([weight * (key in names) for names in BLINKS])
+        found = short_of(KEYS.get(character.name, LIMITS), measured(character, places, shut))
+        if found:
+            worse[key] = found
+    assert not worse
+
+
+def test_key_models_that_people_mix_are_sound(character: Character) -> None:
+    worse = {}
+    for first, second in pairs(character, together=True, count=PAIRS):
+        places, closure = mixed(character, {first: 1.0, second: 1.0})
+        found = short_of(told(character, (first, second)), measured(character, places, closure))
+        if found:
+            worse[first, second] = found
+    assert not worse
+
+
+def test_blends_of_the_others_are_sound(character: Character) -> None:
+    worse = {}
+    for first, second in pairs(character, together=False, count=PAIRS // 2):
+        places, closure = mixed(character, {first: 0.5, second: 0.5})
+        found = short_of(HALVES, measured(character, places, closure))
+        if found:
+            worse[first, second] = found
+    assert not worse
+
+
+def test_lips_meet_at_rest(character: Character) -> None:
+    assert soundness.lip_gap(character.face.vertices) < 0.3
+    opened = posed(character, {"jaw_open": 1.0})
+    assert soundness.lip_gap(opened) > 20
+
+
+def test_lips_do_not_pass_through_each_other(character: Character) -> None:
+    shut = [key for key in SHUT if key in character.keys.names]
+    for weights in ({}, *({key: weight} for key in shut for weight in (1.0, 0.5))):
+        assert soundness.lip_overlap(posed(character, weights)) < 0.5, weights
+
+
+def test_lips_pushed_together_are_found_out(character: Character) -> None:
+    places = character.face.vertices.copy()
+    places[LIPS[:, 11:]] += [0, 2.0, 0]
+    assert soundness.lip_overlap(places) > 1.0
+
+
+def test_teeth_do_not_come_through(character: Character) -> None:
+    face = character.face
+    rows = [np.arange(p.first, p.last) for p in face.parts if p.name.startswith("teeth")]
+    if not rows:
+        return
+    teeth = np.concatenate(rows)
+    speech = [key for key in character.keys.names if key.startswith("viseme")]
+    for key in ("smile", "jaw_open", *speech):
+        for weight in (0.0, 0.5, 1.0):
+            places = posed(character, {key: weight})
+            assert soundness.teeth_through(places, places[teeth]) < 0.3, (key, weight)
+    ahead = face.vertices[teeth] + [0, 0, 15.0]
+    assert soundness.teeth_through(face.vertices, ahead) > 1.0
+
+
+def test_what_does_not_go_together() -> None:
+    assert go_together("smile", "blink_left")
+    assert go_together("surprise", "blink_right")
+    assert go_together("anger", "jaw_open")
+    assert not go_together("smile", "pucker")
+    assert not go_together("surprise", "jaw_open")
+    assert not go_together("anger", "brow_up_left")
