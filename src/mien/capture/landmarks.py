@@ -66,6 +66,8 @@ class Calibration:
     lids: lids.LidRange
     gaze: Array
     """(2, 2) raw gaze at rest."""
+    place: Array
+    """(3,) mm, camera frame: where the head mostly is."""
     focal: float
     """Pixels."""
 
@@ -98,16 +100,16 @@ def calibrate(
         rest = _named(track.time[seen], neutral)
     chosen = samples(len(seen))
     place = refine(own_neutral(points[rest], ground), directions[chosen], ground)
-    offset = np.median(_read(place, directions[rest], ground)[1], axis=0)
+    _, resting = _read(place, directions[rest], ground)
     fit, motion = _read(place, directions[chosen], ground)
-    lifted = place + motion
-    at_rest = place + _read(place, directions[rest], ground)[1]
+    openings = (lids.openings(place + each, place) for each in (motion, resting))
     return Calibration(
-        place,
-        offset,
-        lids.lid_range(lids.openings(lifted, place), lids.openings(at_rest, place)),
-        eyes.gaze_rest(eyes.raw_gaze(lifted), _facing(fit)),
-        focal,
+        model=place,
+        offset=np.median(resting, axis=0),
+        lids=lids.lid_range(*openings),
+        gaze=eyes.gaze_rest(eyes.raw_gaze(place + motion), _facing(fit)),
+        place=np.median(fit.translation, axis=0),
+        focal=focal,
     )
 
 
@@ -132,7 +134,7 @@ def perform(track: LandmarkTrack, known: Calibration, ground: Ground, source: st
         confidence=np.where(track.lost, 0.0, _confidence(known, directions, fit, ground)[hold]),
         lost=track.lost,
         unseen=fit.rotation[:, 2][hold],
-        rest_translation=np.median(fit.translation, axis=0) @ WORLD_FROM_CAMERA,
+        rest_translation=known.place @ WORLD_FROM_CAMERA,
         spans=SPANS,
         scalars={"lid_left": closure[hold, 0], "lid_right": closure[hold, 1]},
         source=source,
