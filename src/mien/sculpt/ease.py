@@ -20,13 +20,15 @@ from scipy.sparse.linalg import spsolve
 
 from mien.sculpt.cage import LIDS, LIPS, cage
 from mien.sculpt.proportions import EyeShape
-from mien.sculpt.skin import clear_of_eyes
+from mien.sculpt.skin import clear_of_eyes, labels
 from mien.sculpt.soundness import along, turned
 
 Array = NDArray[np.float64]
 
 _MOST = 82.0
 """Degrees: less than what is sound, for key models are mixed."""
+_MOST_BEYOND = 100.0
+"""Under the jaw, where skin folds, stiff triangles would show."""
 _PARTS = (0.5, 1.0)
 """Weights of the pose that are looked at: key models move along chords."""
 _ROUNDS = 24
@@ -38,13 +40,14 @@ _GROWTH = 1.4
 def eased(neutral: Array, posed: Array, eye: EyeShape) -> Array:
     """(fine, 3) the ``posed`` skin, its motion from ``neutral`` stiffer where triangles turn."""
     wanted = posed - neutral
+    limit = np.where(_beyond_the_face(), _MOST_BEYOND, _MOST)
     best, least = wanted, np.inf
     motion, stiff, gain = wanted, np.zeros(len(cage().subdivision.triangles)), 1.0
     for _ in range(_ROUNDS):
         most = np.max([turned(neutral, neutral + part * motion) for part in _PARTS], axis=0)
-        over = most > _MOST
+        over = most > limit
         # Some triangles cannot be kept from it, and all about them would go stiff in vain.
-        excess = float((most[over] - _MOST).sum())
+        excess = float((most - limit)[over].sum())
         if excess < least:
             best, least = motion, excess
         if not over.any():
@@ -82,6 +85,14 @@ def _stiffened(neutral: Array, wanted: Array, stiff: Array) -> Array:
     motion = wanted.copy()
     motion[active] = spsolve(system, firm[:, None] * wanted[active])
     return motion
+
+
+@cache
+def _beyond_the_face() -> NDArray[np.bool_]:
+    """(T,) triangles of skull and neck."""
+    label = labels()
+    face = label.mask + label.lid_inside + label.bag
+    return np.asarray(face[cage().subdivision.triangles].min(axis=1) < 0.9)
 
 
 @cache
