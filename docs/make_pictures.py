@@ -29,7 +29,8 @@ POSES = {
     "monkey": (-0.3, {"smile": 0.8, "brows_up": 0.4}),
     "toy": (0.28, {"surprise": 0.75}),
 }
-MOMENTS = (0.95, 3.05, 3.9, 7.7)
+QUALITY = 76
+MOMENTS = (0.95, 2.65, 3.5, 6.9)
 """Seconds of the sample take."""
 
 
@@ -67,7 +68,7 @@ def main() -> None:
     FOLDER.mkdir(exist_ok=True)
     for name, picture in pictures.items():
         path = FOLDER / f"{name}.jpg"
-        Image.fromarray(picture).save(path, quality=82, optimize=True)
+        Image.fromarray(picture).save(path, quality=QUALITY, optimize=True)
         print(path.relative_to(Path(__file__).parent), picture.shape)
 
 
