@@ -36,7 +36,7 @@ EYES = ("left", "right")
 SHUT = 0.7
 """Closure from which an eye counts as shut."""
 NEAR = 3
-"""Runs this many frames apart are one; detections may be this early or late."""
+"""Runs with as many frames between them are one; detections may be this early or late."""
 NOISE, REPEATS = 2.0, 100
 
 
@@ -84,11 +84,11 @@ def lid_closure(character: Character, curves: Curves) -> Array:
 
 
 def runs(mask: Bools) -> list[tuple[int, int]]:
-    """(first, last) of every run of True, those at most NEAR frames apart joined."""
+    """(first, last) of every run of True, those with at most NEAR frames between them joined."""
     frames = np.flatnonzero(mask)
     if len(frames) == 0:
         return []
-    breaks = np.flatnonzero(np.diff(frames) > NEAR) + 1
+    breaks = np.flatnonzero(np.diff(frames) > NEAR + 1) + 1
     return [(int(run[0]), int(run[-1])) for run in np.split(frames, breaks)]
 
 
