@@ -24,7 +24,7 @@ def motion_from_shapes(performance: Performance, generic: Character) -> Performa
     if performance.vocabulary != "arkit":
         raise ValueError(f"no shapes are known for the vocabulary '{performance.vocabulary}'")
     face, spoken = generic.face, names()
-    fields = face.points.at(np.stack([generic.keys[name] for name in spoken]).astype(float))
+    fields = face.points.at(np.stack([generic.keys[name] for name in spoken]))
     points = face.points.ids
     lids = {
         f"lid_{side.lower()}": performance.shapes[:, spoken.index(f"eyeBlink{side}")]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,10 +57,10 @@ class FeaturePoints:
     weights: Array
     """(P, 3) weights that sum to 1; barycentric where the point lies on a triangle."""
 
-    def at(self, vertices: Array) -> Array:
+    def at(self, vertices: NDArray[np.floating[Any]]) -> Array:
         """Places (..., P, 3) of the points on ``vertices`` (..., V, 3); linear, so it maps
         displacement fields as well as positions."""
-        corners = vertices[..., self.vertices, :]
+        corners = vertices[..., self.vertices, :].astype(np.float64)
         return np.asarray(np.einsum("...pcx,pc->...px", corners, self.weights))
 
     def index(self, ids: Sequence[str]) -> NDArray[np.intp]:

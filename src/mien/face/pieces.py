@@ -139,7 +139,7 @@ def split(character: Character) -> Pieces:
         peak = (regions[:, None] * sides[None] * np.linalg.norm(moved, axis=-1)).max(axis=-1)
         found = _gather(peak, visible, name)
         mask = shares(np.stack([gathered for _, _, gathered in found]), regions, sides)
-        fields.extend((mask[..., None] * moved).astype(np.float32))
+        fields.append(mask.astype(np.float32)[..., None] * moved)
         cells.extend(gathered for _, _, gathered in found)
         strongest.extend((region, side) for region, side, _ in found)
         keys.extend([key] * len(found))
@@ -151,7 +151,7 @@ def split(character: Character) -> Pieces:
         region=region_of,
         side=side_of,
         cells=np.array(cells, dtype=bool).reshape(-1, len(REGIONS), len(SIDES)),
-        displacements=np.stack(fields),
+        displacements=np.concatenate(fields),
     )
 
 

@@ -77,12 +77,12 @@ def measure_examples(
         [both.index(fdp) for fdp in common]
     ]
     names = [model.keys.names.index(name) for name in character.examples]
-    keys = face.points.at(model.keys.displacements[names].astype(float))[:, on_face] * factors
+    keys = face.points.at(model.keys.displacements[names])[:, on_face] * factors
     regions, sides = region_masks(face, own[on_face]), side_masks(face, own[on_face])
     rows = [character.examples.index(character.keys.names[key]) for key in pieces.key]
     owner = np.array(rows, dtype=np.intp)
     if kind == "character":
-        fields = face.points.at(pieces.displacements.astype(float))[:, on_face] * factors
+        fields = face.points.at(pieces.displacements)[:, on_face] * factors
     else:
         fields = keys[owner] * shares(pieces.cells, regions, sides)[..., None]
     return Examples(common, keys, fields, owner, regions[:, None] * sides[None])

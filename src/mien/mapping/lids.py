@@ -55,14 +55,14 @@ def find_lids(character: Character, pieces: Pieces) -> Lids | None:
         return None
     is_blink = np.array([character.keys.names[key] in BLINKS for key in pieces.key])
     blink = np.stack([is_blink & (pieces.side == side) for side in (0, 1)])
-    fields = pieces.displacements.astype(float)
-    effect = np.stack([_height(face, fields, upper, lower) for upper, lower in MARGINS])
-    opening = np.array([_height(face, face.vertices, upper, lower) for upper, lower in MARGINS])
+    moved, rest = face.points.at(pieces.displacements), face.points.at(face.vertices)
+    effect = np.stack([_height(face, moved, upper, lower) for upper, lower in MARGINS])
+    opening = np.array([_height(face, rest, upper, lower) for upper, lower in MARGINS])
     shuts = -(effect * blink).sum(axis=1)
     return Lids(blink, opening, effect) if (shuts > 0).all() and (opening > 0).all() else None
 
 
 def _height(face: Face, places: Array, upper: str, lower: str) -> Array:
-    """(...) distance upwards from lower to upper margin on ``places`` (..., V, 3)."""
-    margins = face.points.at(places)[..., face.points.index((upper, lower)), 1]
+    """(...) distance upwards from lower to upper margin of feature points (..., P, 3)."""
+    margins = places[..., face.points.index((upper, lower)), 1]
     return np.asarray(margins[..., 0] - margins[..., 1])
