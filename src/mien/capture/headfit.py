@@ -68,7 +68,7 @@ class HeadFit:
 
 _RIGID_ROUNDS = 3
 _CHUNK = 64
-"""Frames fitted at a time: more fall out of the processor's cache."""
+"""Frames fitted at a time, which bounds the memory their normal equations take."""
 
 
 def fit_heads(model: HeadModel, rays: Array, settings: FitSettings | None = None) -> HeadFit:
