@@ -10,6 +10,7 @@ from mien.capture.neutral import ground
 from mien.face.library import generic_face
 from mien.performance.frame import Frame
 from mien.performance.performance import Performance
+from mien.performance.trace import Trace
 
 Progress = Callable[[int], None]
 
@@ -22,6 +23,8 @@ class CaptureSettings:
     """Seconds (first, last) in which the face rests; None: found."""
     focal: float | None = None
     """Focal length of the camera in pixels; None: a usual one."""
+    watch: Callable[[Trace], None] | None = None
+    """Told what was seen in every frame, once each and in their order."""
 
 
 class Capture(Protocol):

@@ -1,0 +1,1 @@
+"""Raw scans become a databank of consistent meshes [Z] §4.1."""
