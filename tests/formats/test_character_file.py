@@ -40,6 +40,7 @@ def _small() -> Character:
             np.array([[1.0, 0, 0], [0.5, -0.25, 0.75]]),
         ),
         pivots={name: random.normal(0, 9, 3) for name in ("head", "jaw", "eye_left", "eye_right")},
+        uv=random.uniform(0, 1, (8, 2)),
     )
     moved = random.normal(0, 5, (2, 8, 3)).astype(np.float32)
     moved[0, 4:] = 0
@@ -59,6 +60,7 @@ def test_what_is_written_is_read(tmp_path: Path) -> None:
     assert read.face.materials == written.face.materials
     assert np.abs(read.face.colours - written.face.colours).max() < 0.01
     assert np.abs(read.face.occlusion - written.face.occlusion).max() < 0.01
+    assert np.abs(read.face.uv - written.face.uv).max() < 1e-5
     assert np.allclose(read.face.point("7.1"), written.face.point("7.1"), atol=1e-4)
     assert np.allclose(read.face.pivots["jaw"], written.face.pivots["jaw"])
     # Read and written again it is the same file, to the last byte.

@@ -88,6 +88,9 @@ class Face:
     points: FeaturePoints
     pivots: Mapping[str, Array]
     """(3,) each: "head" (neck), "jaw" (condyles), "eye_left", "eye_right" (eyeball centres)."""
+    uv: Array | None = None
+    """(V, 2) texture coordinates, u to the right and v down from the picture's upper left corner,
+    each material with a picture of its own; None where the face has none."""
 
     @property
     def triangles(self) -> Ints:

@@ -5,6 +5,7 @@
     triangles        uint32  (T, 3) of all parts, in their order
     colours          uint8   (V, 3) sRGB-encoded albedo
     occlusion        uint8   (V,)
+    uv               uint16  (V, 2) in steps of 1/65535, or (0, 2): none
     point_vertices   uint32  (P, 3), and point_weights float32 (P, 3)
     key_vertices     uint32  (M,) moved vertices of all key models, one key after the other
     key_steps        int16   (M, 3) their displacements in steps of the key's scale
@@ -30,7 +31,7 @@ from mien.errors import FormatError, InputError, OutputError
 from mien.face.character import Character, KeyModels
 from mien.face.face import FOLLOWS, Array, Face, FeaturePoints, Ints, Material, Part
 
-FORMAT, VERSION = "mien character", 1
+FORMAT, VERSION = "mien character", 2
 PIVOTS = ("head", "jaw", "eye_left", "eye_right")
 
 _ARRAYS: dict[str, tuple[str, int]] = {
@@ -38,6 +39,7 @@ _ARRAYS: dict[str, tuple[str, int]] = {
     "triangles": ("<u4", 3),
     "colours": ("|u1", 3),
     "occlusion": ("|u1", 0),
+    "uv": ("<u2", 2),
     "point_vertices": ("<u4", 3),
     "point_weights": ("<f4", 3),
     "key_vertices": ("<u4", 0),
@@ -99,6 +101,7 @@ def write_character(path: Path | str, character: Character) -> None:
         "triangles": face.triangles.astype("<u4"),
         "colours": np.rint(_encode(face.colours) * 255).astype(np.uint8),
         "occlusion": np.rint(np.clip(face.occlusion, 0, 1) * 255).astype(np.uint8),
+        "uv": np.rint(_uv(face) * 65535).astype("<u2"),
         "point_vertices": face.points.vertices.astype("<u4"),
         "point_weights": face.points.weights.astype("<f4"),
         "key_vertices": np.concatenate([np.empty(0, "<u4"), *rows]).astype("<u4"),
@@ -133,6 +136,10 @@ def read_character(path: Path | str) -> Character:
     except _BROKEN as error:
         what = str(error) or type(error).__name__
         raise FormatError(f"{path}: not a mien character, or a broken one ({what})") from error
+
+
+def _uv(face: Face) -> Array:
+    return np.zeros((0, 2)) if face.uv is None else np.clip(face.uv, 0.0, 1.0)
 
 
 def _pack_keys(
@@ -176,6 +183,8 @@ def _assemble(about: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> Charact
         raise ValueError("vertices beyond all bounds")
     if len(arrays["colours"]) != count or len(arrays["occlusion"]) != count:
         raise ValueError("colours and occlusion do not fit the vertices")
+    if len(arrays["uv"]) not in (0, count):
+        raise ValueError("texture coordinates do not fit the vertices")
     materials = {_text(name): _material(given) for name, given in about["materials"].items()}
     keys = _unpack_keys(about["keys"], arrays, count)
     examples = tuple(_text(name) for name in about["examples"])
@@ -189,6 +198,7 @@ def _assemble(about: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> Charact
         occlusion=arrays["occlusion"] / 255.0,
         points=_points(about["points"], arrays, count),
         pivots={name: _place(about["pivots"][name]) for name in PIVOTS},
+        uv=arrays["uv"] / 65535.0 if len(arrays["uv"]) else None,
     )
     return Character(_text(about["name"]), face, keys, examples)
 

@@ -29,6 +29,7 @@ from mien.sculpt.points import feature_points
 from mien.sculpt.sculpture import Sculpture, moving_parts, skin_solid, still_parts
 from mien.sculpt.skin import labels
 from mien.sculpt.solid import Solid
+from mien.sculpt.unwrap import unwrapped
 
 Array = NDArray[np.float64]
 
@@ -70,6 +71,7 @@ def sculpted(sculpture: Sculpture) -> Character:
         occlusion=_occlusion(sculpture, neutral, solids),
         points=feature_points(vertices - origin, parts),
         pivots=pivots,
+        uv=unwrapped(solids),
     )
     keys = KeyModels(
         tuple(sculpture.keys),
