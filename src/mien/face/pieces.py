@@ -29,12 +29,13 @@ _MIDLINE = 24.0
 """mm over which left fades into right: lips pulled to one side must bend and not break."""
 _BLEND = 10.0
 """mm over which neighbouring masks fade into each other, on a face with pupils 63 mm apart."""
-_BROW_OVER_EYE = (
-    (("4.1", "4.2"), ("3.11", "3.8")),
-    (("4.3", "4.4"), ("3.13", "3.14")),
-    (("4.5", "4.6"), ("3.7", "3.12")),
-)
-"""Brow and what lies under it, left and right: inner end, arch, outer end."""
+_BROW = (("4.1", "4.2"), ("4.3", "4.4"), ("4.5", "4.6"))
+_UPPER_LID = (("3.11", "3.8"), ("3.13", "3.14"), ("3.7", "3.12"))
+"""Left and right: inner end, arch, outer end."""
+_BETWEEN = 0.8
+"""Part of what lies between brow and lid over which they fade into each other, at most ..."""
+_LEAST_BLEND = 0.25
+"""... and at least, of _BLEND."""
 _VISIBLE = 1.2
 """mm on that face: a piece whose skin nowhere moves as far is not worth a morph target, and its
 share goes to the strongest piece. (Not a share of the summed motion: a falling jaw moves so much
@@ -72,29 +73,43 @@ class Pieces:
 def region_masks(face: Face, places: Array) -> Array:
     """(3, N) share of brow, eyes and mouth in each of N ``places`` (N, 3); columns sum to 1.
 
-    One border runs half-way between brow and eye from the inner to the outer end, as far as the
-    face has the points; the other is level, half-way between lower lid and cheek bone.
+    One border runs half-way between the brow and the arch of the upper lid, as far as the face
+    has the points; the other is level, half-way between lower lid and cheek bone.
     """
-    border = _brow_border(face)
     blend = _BLEND * _scale(face)
     lid, cheek = _level(face, "3.9", "3.10"), _level(face, "5.3", "5.4")
     # On large eyes the cheek bone is no lower than the lid, which must stay with its eye.
     cheek_line = min((lid + cheek) / 2.0, lid - blend / 2.0)
     width, height = np.abs(places[:, 0]), places[:, 1]
-    room = min(blend, 0.8 * abs(_level(face, "4.3", "4.4") - _level(face, "3.13", "3.14")))
-    above = _ramp(height - np.interp(width, border[:, 0], border[:, 1]), room)
+    brow, upper_lid = _brow_line(face, width), _lid_line(face, width)
+    room = np.clip(_BETWEEN * (brow - upper_lid), _LEAST_BLEND * blend, blend)
+    above = _ramp(height - (brow + upper_lid) / 2.0, room)
     below = _ramp(cheek_line - height, blend)
     return np.stack([above, 1.0 - above - below, below])
 
 
-def _brow_border(face: Face) -> Array:
-    """(1 to 3, 2) distance from the middle and height of the border under the brow."""
-    knots = []
-    for brows, eyes in _BROW_OVER_EYE:
-        if all(fdp in face.points.ids for fdp in (*brows, *eyes)):
-            across = float(np.mean([abs(face.point(fdp)[0]) for fdp in (*brows, *eyes)]))
-            knots.append((across, (_level(face, *brows) + _level(face, *eyes)) / 2.0))
-    return np.array(sorted(knots))
+def _brow_line(face: Face, width: Array) -> Array:
+    """(N,) height of the brows ``width`` (N,) from the middle."""
+    ends = [_place(face, pair) for pair in _BROW if set(pair) <= set(face.points.ids)]
+    return np.asarray(np.interp(width, *np.transpose(sorted(ends))))
+
+
+def _lid_line(face: Face, width: Array) -> Array:
+    """(N,) height of the upper lids' fold: an arch between the corners, level beyond."""
+    if not all(set(pair) <= set(face.points.ids) for pair in _UPPER_LID):
+        return np.full_like(width, _place(face, _UPPER_LID[1])[1])
+    (inner, low), (middle, high), (outer, end) = (_place(face, pair) for pair in _UPPER_LID)
+    aside = np.where(
+        width < middle, (middle - width) / (middle - inner), (width - middle) / (outer - middle)
+    )
+    foot = np.where(width < middle, low, end)
+    return np.asarray(high - (high - foot) * np.clip(aside, 0.0, 1.0) ** 2)
+
+
+def _place(face: Face, pair: tuple[str, str]) -> tuple[float, float]:
+    """Distance from the middle and height of a point that both sides have."""
+    left, right = (face.point(fdp) for fdp in pair)
+    return float(abs(left[0]) + abs(right[0])) / 2.0, float(left[1] + right[1]) / 2.0
 
 
 def _level(face: Face, left: str, right: str) -> float:
@@ -155,7 +170,7 @@ def split(character: Character) -> Pieces:
     )
 
 
-def _ramp(distance: Array, width: float) -> Array:
+def _ramp(distance: Array, width: Array | float) -> Array:
     """0 below -width/2, 1 above width/2, smooth between."""
     t = np.clip(distance / width + 0.5, 0.0, 1.0)
     return t * t * (3.0 - 2.0 * t)

@@ -1,7 +1,9 @@
 """Lids are mixed last: the character's lid follows the performer's, whatever else moves it.
 
 Lids of several key models do not add up: a surprised face that blinks would stay open, a smiling
-one shut too far. So each eye's blink gets what is still missing after all other weights.
+one shut too far, a sad one shut askew. So what moves an eye's lids besides its blink goes as the
+blink comes, and shut eyes are shut by their blinks alone. Lids that were opened wide come back to
+rest first: the straight way from wide open to shut leads through the eyeball.
 """
 
 from __future__ import annotations
@@ -13,7 +15,7 @@ from numpy.typing import NDArray
 
 from mien.face.character import Character
 from mien.face.face import Face
-from mien.face.pieces import BLINKS, Pieces
+from mien.face.pieces import BLINKS, REGIONS, Pieces
 
 Array = NDArray[np.float64]
 
@@ -23,6 +25,9 @@ SCALARS = ("lid_left", "lid_right")
 """What a performance calls the closures."""
 _MOST = 2.0
 """A blink that hardly moves its lid is not stretched beyond this."""
+_LITTLE = 1e-9
+_TOUCH = 0.05
+"""Part of the opening by which a piece must move the lids to count among what moves them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,17 +40,26 @@ class Lids:
     """(2,) mm at neutral."""
     effect: Array
     """(2, W) mm by which a whole piece opens each eye."""
+    widens: NDArray[np.bool_]
+    narrows: NDArray[np.bool_]
+    """(2, W) pieces about an eye, its blink apart, that open or shut it."""
 
     def mix(self, weights: Array, closure: Array) -> Array:
         """Weights (F, W) with the blinks set so that each eye is open by 1 - closure (F, 2) of
         its neutral opening (a negative closure is a stare): never shut further than shut, never
         opened by a negative blink."""
-        mixed = np.where(self.blink.any(axis=0), 0.0, weights)
+        weights = np.where(self.blink.any(axis=0), 0.0, weights)
         wanted = (1.0 - np.minimum(closure, 1.0)) * self.opening
-        missing = self.opening + mixed @ self.effect.T - wanted
+        opened = self.opening + weights @ self.effect.T
+        excess = np.maximum(opened - wanted, 0.0)
+        widened = weights @ (self.effect * self.widens).T
+        back = np.minimum(excess / np.maximum(widened, _LITTLE), 1.0)
+        shut = np.minimum(excess / np.maximum(opened, _LITTLE), 1.0)
+        weights = weights * (1.0 - back @ self.widens - shut @ self.narrows)
+        missing = self.opening + weights @ self.effect.T - wanted
         shuts = -(self.effect * self.blink).sum(axis=1)
         level = np.clip(missing / shuts, 0.0, _MOST)
-        return np.asarray(mixed + level @ self.blink)
+        return np.asarray(weights + level @ self.blink)
 
 
 def find_lids(character: Character, pieces: Pieces) -> Lids | None:
@@ -59,7 +73,12 @@ def find_lids(character: Character, pieces: Pieces) -> Lids | None:
     effect = np.stack([_height(face, moved, upper, lower) for upper, lower in MARGINS])
     opening = np.array([_height(face, rest, upper, lower) for upper, lower in MARGINS])
     shuts = -(effect * blink).sum(axis=1)
-    return Lids(blink, opening, effect) if (shuts > 0).all() and (opening > 0).all() else None
+    if not ((shuts > 0).all() and (opening > 0).all()):
+        return None
+    about = (pieces.region == REGIONS.index("eyes")) & ~is_blink
+    own = about & (pieces.side == np.array([[0], [1]]))
+    least = _TOUCH * opening[:, None]
+    return Lids(blink, opening, effect, own & (effect > least), own & (effect < -least))
 
 
 def _height(face: Face, places: Array, upper: str, lower: str) -> Array:
