@@ -24,6 +24,7 @@ def test_characters_are_listed(tmp_path: Path) -> None:
     assert [character["name"] for character in told] == ["man", "woman", "monkey", "toy"]
     assert all("smile" in character["key_models"] for character in told)
     assert mien("character", "list", cwd=tmp_path).stdout.count("\n") == 4
+    assert "jaw_open" in mien("character", "list", "man", cwd=tmp_path).stdout
 
 
 def test_a_character_is_shown_on_a_sheet(tmp_path: Path) -> None:
@@ -32,6 +33,17 @@ def test_a_character_is_shown_on_a_sheet(tmp_path: Path) -> None:
         assert (done.stdout, done.stderr) == (f"{sheet}\n", "")
         with Image.open(tmp_path / sheet) as picture:
             assert picture.width > 1000
+
+
+def test_a_character_goes_into_another_program(tmp_path: Path) -> None:
+    done = mien("character", "export", "toy", "-o", "toy.glb", cwd=tmp_path)
+    assert (done.stdout, done.stderr) == ("toy.glb\n", "")
+    assert (tmp_path / "toy.glb").read_bytes()[:4] == b"glTF"
+    # Small enough for a web page: all key models, stored sparsely.
+    assert (tmp_path / "toy.glb").stat().st_size < 3_000_000
+    wrong = mien("character", "export", "toy", "-o", "toy.fbx", cwd=tmp_path)
+    assert (wrong.returncode, wrong.stdout) == (1, "")
+    assert wrong.stderr == "mien: -o toy.fbx: export writes .glb files\n"
 
 
 def test_doctor_tells_what_works(tmp_path: Path) -> None:

@@ -1,20 +1,27 @@
-"""List the characters, or look at one."""
+"""List the characters, look at one, or take it into another program."""
 
 from __future__ import annotations
 
 import argparse
+import textwrap
+from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from mien.cli.command import tell
 from mien.cli.results import results
 from mien.errors import InputError
 
+if TYPE_CHECKING:
+    from mien.face.character import Character
+
 
 def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "action",
-        choices=("list", "show"),
-        help="list: what characters there are; show: a sheet with all that one can do",
+        choices=("list", "show", "export"),
+        help="list: what characters there are (with a NAME: and what they can do); show: a sheet with all that one can do; "
+        "export: a GLB with its key models as morph targets",
     )
     parser.add_argument(
         "names", nargs="*", metavar="NAME", help="characters or character files (default: built-in)"
@@ -24,22 +31,32 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--output",
         type=Path,
         default=Path("out/characters"),
-        metavar="FOLDER|FILE.png",
-        help="show: where NAME.png goes, or a file for one character (default: %(default)s)",
+        metavar="FOLDER|FILE",
+        help="where NAME.png or NAME.glb goes, or a file for one character (default: %(default)s)",
     )
 
 
 def run(options: argparse.Namespace) -> None:
     if options.action == "list":
         _list(options)
+    elif options.action == "show":
+        _write(options, ".png", _sheet)
     else:
-        _show(options)
+        _write(options, ".glb", _model)
 
 
 def _list(options: argparse.Namespace) -> None:
     from mien.face.library import CHARACTERS, load_character
 
     characters = [load_character(name) for name in options.names or CHARACTERS]
+    lines = []
+    for character in characters:
+        triangles, keys = len(character.face.triangles), character.keys.names
+        lines.append(f"{character.name}: {triangles} triangles, {len(keys)} key models")
+        if options.names:
+            lines += textwrap.wrap(
+                ", ".join(keys), initial_indent="  ", subsequent_indent="  ", width=98
+            )
     tell(
         options,
         {
@@ -53,22 +70,20 @@ def _list(options: argparse.Namespace) -> None:
                 for character in characters
             ]
         },
-        *(
-            f"{character.name}: {len(character.face.triangles)} triangles, "
-            f"key models {', '.join(character.keys.names)}"
-            for character in characters
-        ),
+        *lines,
     )
 
 
-def _show(options: argparse.Namespace) -> None:
+def _write(
+    options: argparse.Namespace, ending: str, write: Callable[[Path, Character], None]
+) -> None:
     from mien.face.library import CHARACTERS, load_character
-    from mien.formats.images import write_image
-    from mien.view.contact_sheet import contact_sheet
 
     characters = [load_character(name) for name in options.names or CHARACTERS]
-    folder, names = options.output, [f"{character.name}.png" for character in characters]
-    if folder.suffix.lower() == ".png":
+    folder, names = options.output, [f"{character.name}{ending}" for character in characters]
+    if folder.suffix:
+        if folder.suffix.lower() != ending:
+            raise InputError(f"-o {folder}: {options.action} writes {ending} files")
         if len(characters) > 1:
             raise InputError(f"-o {folder}: one file for {len(characters)} characters")
         folder, names = folder.parent, [folder.name]
@@ -76,5 +91,18 @@ def _show(options: argparse.Namespace) -> None:
     with results(folder) as claim:
         for character, name in zip(characters, names, strict=True):
             written.append(claim(name))
-            write_image(written[-1], contact_sheet(character))
+            write(written[-1], character)
     tell(options, {"files": [str(path) for path in written]}, *map(str, written))
+
+
+def _sheet(path: Path, character: Character) -> None:
+    from mien.formats.images import write_image
+    from mien.view.contact_sheet import contact_sheet
+
+    write_image(path, contact_sheet(character))
+
+
+def _model(path: Path, character: Character) -> None:
+    from mien.formats.glb import write_glb
+
+    write_glb(path, character)

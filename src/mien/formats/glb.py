@@ -13,6 +13,7 @@ Blender, three.js and the VRM tools look for them.
 
 from __future__ import annotations
 
+import base64
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -30,20 +31,26 @@ from mien.numeric.rotation import from_gaze, to_quaternion
 from mien.performance.curves import Curves
 
 _METRES = 1e-3
-_MOVED = 0.02
+_MOVED = 0.04
 """mm under which a vertex is not worth storing in a morph target."""
-_TILTED = 0.03
+_TILTED = 0.04
 """The same for the change of a unit normal."""
 _OCCLUDED = 0.6
 """Share of the baked occlusion that goes into the vertex colours: viewers add light of their own
 that knows none, and all of it looks dirty."""
 
+_WHITE_PIXEL = base64.b64decode(
+    "iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAAAAAA6fptVAAAACklEQVR42mP4DwABAQEAHLCMmQAAAABJRU5ErkJggg=="
+)
+"""A PNG of 67 bytes."""
+
 
 def write_glb(path: Path, character: Character, curves: Curves | None = None) -> None:
     """Write ``character`` to ``path``, with one animation where ``curves`` are given.
 
-    With curves the morph targets are those the curves name; without, the pieces and after them
-    the whole key models. A performer who never travels gets no channel for it.
+    With curves the morph targets are those the curves name; a performer who never travels gets
+    no channel for it. Without, they are the key models as sculpted, and the face brings its
+    texture coordinates and a white picture for an artist to replace.
     Raises OutputError; ValueError where the curves name a target the character has not.
     """
     scene = _laid_out(character, None if curves is None else curves.names)
@@ -56,6 +63,8 @@ def write_glb(path: Path, character: Character, curves: Curves | None = None) ->
         "meshes": scene.meshes,
         "materials": scene.materials,
     }
+    if scene.textured:
+        document |= _blank_texture(buffer)
     if curves is not None:
         document["animations"] = [_animation(scene, buffer, curves)]
     data = buffer.glb(document)
@@ -66,7 +75,8 @@ def write_glb(path: Path, character: Character, curves: Curves | None = None) ->
 @lru_cache(maxsize=8)
 def _laid_out(character: Character, names: tuple[str, ...] | None) -> _Scene:
     """All of a character's file but the take; kept, for takes come one after another."""
-    scene = _Scene(character.face, *_targets(character, names))
+    textured = names is None and character.face.uv is not None
+    scene = _Scene(character.face, *_targets(character, names), textured)
     scene.build(character.name)
     return scene
 
@@ -75,16 +85,14 @@ def _targets(
     character: Character, names: tuple[str, ...] | None
 ) -> tuple[tuple[str, ...], NDArray[np.float32]]:
     """Names (W) and displacement fields (W, V, 3) of the morph targets to write."""
-    pieces, keys = split(character), character.keys
+    keys = character.keys
+    if names is None:
+        return keys.names, keys.displacements
+    pieces = split(character)
     if names == pieces.names:
         return names, pieces.displacements
-    known = dict(zip(pieces.names, pieces.displacements, strict=True))
-    known |= {
-        name: field
-        for name, field in zip(keys.names, keys.displacements, strict=True)
-        if name not in pieces.names
-    }
-    names = tuple(known) if names is None else names
+    known = dict(zip(keys.names, keys.displacements, strict=True))
+    known |= dict(zip(pieces.names, pieces.displacements, strict=True))
     if not known.keys() >= set(names):
         raise ValueError(f"{character.name} lacks {', '.join(set(names) - known.keys())}")
     return names, np.stack([known[name] for name in names])
@@ -122,13 +130,15 @@ def _groups(face: Face, fields: NDArray[np.float32]) -> list[_Group]:
 class _Scene:
     """Nodes, meshes and materials of one face, and where its morphing meshes hang."""
 
-    def __init__(self, face: Face, names: tuple[str, ...], fields: NDArray[np.float32]) -> None:
-        self.face, self.names, self.fields = face, names, fields
+    def __init__(
+        self, face: Face, names: tuple[str, ...], fields: NDArray[np.float32], textured: bool
+    ) -> None:
+        self.face, self.names, self.fields, self.textured = face, names, fields, textured
         self.buffer = GltfBuffer()
         self.nodes: list[Json] = []
         self.meshes: list[Json] = []
         used = [name for name in face.materials if _wearing(face, name)]
-        self.materials = [_material(face, name) for name in used]
+        self.materials = [_material(face, name, textured) for name in used]
         self.carriers: dict[str, int] = {}
         self.morphing: list[tuple[int, _Group]] = []
         self._zeros: dict[int, int] = {}
@@ -196,6 +206,9 @@ class _Scene:
             "indices": add(triangles.ravel().astype(index), "element"),
             "material": self._material_index[parts[0].material],
         }
+        if self.textured and face.uv is not None:
+            uv = np.round(np.clip(face.uv[rows], 0.0, 1.0) * 65535).astype(np.uint16)
+            primitive["attributes"]["TEXCOORD_0"] = add(uv, "vertex", normalized=True)
         if len(group.targets):
             primitive["targets"] = [
                 self._target(places, self.fields[row, rows], triangles, normals)
@@ -250,7 +263,7 @@ def _wearing(face: Face, material: str) -> list[Part]:
     return [part for part in face.parts if part.material == material]
 
 
-def _material(face: Face, name: str) -> Json:
+def _material(face: Face, name: str, textured: bool) -> Json:
     material: Material = face.materials[name]
     described: Json = {
         "name": name,
@@ -258,12 +271,20 @@ def _material(face: Face, name: str) -> Json:
         # Locks of hair, lashes and collars are open sheets.
         "doubleSided": True,
     }
+    if textured:
+        described["pbrMetallicRoughness"]["baseColorTexture"] = {"index": 0}
     if material.emission:
         parts = _wearing(face, name)
         colours = np.concatenate([face.colours[part.first : part.last] for part in parts])
         glow = np.clip(material.emission * colours.mean(axis=0), 0.0, 1.0)
         described["emissiveFactor"] = glow.tolist()
     return described
+
+
+def _blank_texture(buffer: GltfBuffer) -> Json:
+    """What a document needs for one white pixel as texture 0."""
+    image = {"bufferView": buffer.add_image(_WHITE_PIXEL), "mimeType": "image/png"}
+    return {"images": [image], "samplers": [{}], "textures": [{"source": 0, "sampler": 0}]}
 
 
 def _animation(scene: _Scene, buffer: GltfBuffer, curves: Curves) -> Json:

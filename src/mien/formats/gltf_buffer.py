@@ -97,6 +97,12 @@ class GltfBuffer:
             }
         return self._append(accessor)
 
+    def add_image(self, picture: bytes) -> int:
+        """Index of a new bufferView that holds a PNG or JPEG file."""
+        pixels = np.frombuffer(picture, dtype=np.uint8)
+        view: int = self._where(pixels, f"image {len(self._streams)}")["bufferView"]
+        return view
+
     def _append(self, accessor: Json) -> int:
         self.accessors.append(accessor)
         return len(self.accessors) - 1
