@@ -20,7 +20,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "action",
         choices=("list", "show", "export"),
-        help="list: what characters there are (with a NAME: and what they can do); show: a sheet with all that one can do; "
+        help="list: what characters there are, and with a NAME what it can do; "
+        "show: a sheet with all of it; "
         "export: a GLB with its key models as morph targets",
     )
     parser.add_argument(
