@@ -5,6 +5,7 @@
 docs/pictures/cast.jpg      the four characters
 docs/pictures/driven.jpg    moments of the sample take beside the characters that follow it
 docs/pictures/NAME.jpg      a contact sheet of each character and of the generic face
+docs/pictures/turntable.webp  the four, turning once while they smile
 """
 
 from importlib import resources
@@ -30,6 +31,7 @@ POSES = {
     "toy": (0.28, {"surprise": 0.75}),
 }
 QUALITY = 76
+TURNS, TURN_SECONDS = 32, 5.0
 MOMENTS = (0.95, 2.65, 3.5, 6.9)
 """Seconds of the sample take."""
 
@@ -44,6 +46,25 @@ def cast() -> np.ndarray:
         camera = Camera(yaw=yaw, pitch=0.035, height=290.0, size=(400, 460))
         row.append(Renderer(character.face).render(vertices, camera))
     return np.hstack(row)
+
+
+def turntable() -> list[Image.Image]:
+    """One turn of the four in a row, with a smile that comes and goes."""
+    characters = [mien.load_character(name) for name in POSES]
+    stage = [
+        (character, Poser(character.face, character.keys), Renderer(character.face))
+        for character in characters
+    ]
+    frames = []
+    for turn in np.arange(TURNS) / TURNS:
+        row = []
+        for character, poser, renderer in stage:
+            smile = 0.5 - 0.5 * np.cos(2.0 * np.pi * turn)
+            vertices = poser.morph(smile * (np.array(character.keys.names) == "smile"))
+            camera = Camera(yaw=2.0 * np.pi * turn, pitch=0.05, height=300.0, size=(270, 300))
+            row.append(renderer.render(vertices, camera))
+        frames.append(Image.fromarray(np.hstack(row)))
+    return frames
 
 
 def driven() -> np.ndarray:
@@ -70,6 +91,15 @@ def main() -> None:
         path = FOLDER / f"{name}.jpg"
         Image.fromarray(picture).save(path, quality=QUALITY, optimize=True)
         print(path.relative_to(Path(__file__).parent), picture.shape)
+    first, *others = turntable()
+    first.save(
+        FOLDER / "turntable.webp",
+        save_all=True,
+        append_images=others,
+        duration=round(1000 * TURN_SECONDS / TURNS),
+        loop=0,
+        quality=45,
+    )
 
 
 if __name__ == "__main__":
