@@ -7,6 +7,7 @@ from typing import Protocol
 from mien.capture.detector import follow
 from mien.capture.landmarks import calibrate, perform
 from mien.capture.neutral import ground
+from mien.capture.snakes.capture import snakes
 from mien.face.library import generic_face
 from mien.performance.frame import Frame
 from mien.performance.performance import Performance
@@ -52,6 +53,6 @@ def _landmarks(
     return perform(track, known, base, source)
 
 
-CAPTURES: dict[str, Capture] = {"landmarks": _landmarks}
+CAPTURES: dict[str, Capture] = {"landmarks": _landmarks, "snakes": snakes}
 
 __all__ = ["CAPTURES", "Capture", "CaptureSettings"]

@@ -1,0 +1,1 @@
+"""Capture without learned weights: colour, blobs and Bezier snakes [B] §3."""

@@ -1,0 +1,61 @@
+"""Blobs [B] §3.2: the pixels of a feature, grown from seeds inside its rectangle."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from mien.capture.snakes.lens import boxed
+
+Array = NDArray[np.float64]
+Field = NDArray[np.float32]
+Mask = NDArray[np.uint8]
+
+_OPEN = np.ones((2, 2), np.uint8)
+_CLOSE = np.ones((5, 5), np.uint8)
+_LEAST, _MOST = 0.3, 0.7
+"""What a rectangle's own threshold may be: I is made to be about 1 on features and 0 on skin."""
+_SEED = 0.15
+"""Above the threshold, from where a blob may start."""
+_NEAR = 25.0
+"""Patch units from the expected place at which a blob counts six tenths."""
+_FEWEST = 20
+"""Pixels of a blob."""
+
+
+def threshold(field: Field) -> float:
+    """The value that parts the rectangle's histogram best (Otsu 1979), within bounds."""
+    levels = (field * 255.0).astype(np.uint8)
+    parted, _ = cv2.threshold(levels, 0, 255, cv2.THRESH_BINARY + cv2.THRESH_OTSU)
+    return float(np.clip(parted / 255.0, _LEAST, _MOST))
+
+
+def find_blob(field: Field, expected: Array) -> Mask | None:
+    """(H, W) 0 or 1: the blob of ``field`` that is largest and nearest to ``expected`` (2,),
+    pixels of the field; None where there is none."""
+    level = threshold(field)
+    mask = (field > level).astype(np.uint8)
+    mask = cv2.morphologyEx(mask, cv2.MORPH_OPEN, _OPEN)
+    mask = cv2.morphologyEx(mask, cv2.MORPH_CLOSE, _CLOSE)
+    count, label, facts, middle = cv2.connectedComponentsWithStats(mask, connectivity=4)
+    best, chosen = 0.0, 0
+    for blob in range(1, count):
+        area = float(facts[blob, cv2.CC_STAT_AREA])
+        away = float(((middle[blob] - expected) ** 2).sum())
+        worth = area * np.exp(-away / (2.0 * _NEAR**2))
+        if area >= _FEWEST and worth > best and field[label == blob].max() > level + _SEED:
+            best, chosen = worth, blob
+    return (label == chosen).astype(np.uint8) if chosen else None
+
+
+def blob_lens(blob: Mask, corner: Array) -> Array:
+    """(6, 2) the first guess of the outline of a blob whose first pixel is at ``corner``."""
+    rows, columns = np.nonzero(blob)
+    first, last = columns.min(), columns.max()
+    left = np.array([first, rows[columns <= first + 1].mean()])
+    right = np.array([last, rows[columns >= last - 1].mean()])
+    along = (right - left) / max(float(np.linalg.norm(right - left)), 1.0)
+    below = (rows - left[1]) * along[0] - (columns - left[0]) * along[1]
+    top, bottom = max(-float(below.min()), 0.5), max(float(below.max()), 0.5)
+    return boxed(left + corner, right + corner, top, bottom)

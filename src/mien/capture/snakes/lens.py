@@ -1,0 +1,67 @@
+"""A lens: two cubic Bezier curves, upper and lower, that share both ends.
+
+Brows, eyes, nostrils, lips and mouth opening are all of this form. Six points (6, 2): the end on
+the picture's left, the end on its right, the two middle points of the upper curve from left to
+right, those of the lower one. Units are patch units (see ``patch``), y down.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mien.numeric import bezier
+
+Array = NDArray[np.float64]
+
+UPPER: NDArray[np.intp] = np.array([0, 2, 3, 1])
+"""Points of a lens that are the control points of its upper curve."""
+LOWER: NDArray[np.intp] = np.array([0, 4, 5, 1])
+
+
+def fit_lens(upper: Array, lower: Array) -> Array:
+    """(6, 2) the lens of least squares on an upper and a lower edge (N, 2) and (M, 2), both from
+    the picture's left to its right."""
+    ends = 0.5 * (upper[[0, -1]] + lower[[0, -1]])
+    curves = [
+        bezier.fit(np.concatenate([ends[:1], edge[1:-1], ends[1:]])) for edge in (upper, lower)
+    ]
+    return np.concatenate([ends, curves[0][1:3], curves[1][1:3]])
+
+
+def upper_curve(lens: Array, samples: int = 21) -> Array:
+    """(..., S, 2) the upper edge of lenses (..., 6, 2)."""
+    return bezier.curve(lens[..., UPPER, :], samples)
+
+
+def lower_curve(lens: Array, samples: int = 21) -> Array:
+    """(..., S, 2) the lower edge."""
+    return bezier.curve(lens[..., LOWER, :], samples)
+
+
+def outline(lens: Array, samples: int = 21) -> Array:
+    """(..., 2 S, 2) round the lens once: along the top and back below."""
+    back = lower_curve(lens, samples)[..., ::-1, :]
+    return np.concatenate([upper_curve(lens, samples), back], axis=-2)
+
+
+def height(lens: Array) -> Array:
+    """(...) greatest distance between the curves, upright to the chord."""
+    chord = lens[..., 1, :] - lens[..., 0, :]
+    down = np.stack([-chord[..., 1], chord[..., 0]], axis=-1)
+    down /= np.maximum(np.linalg.norm(chord, axis=-1, keepdims=True), 1e-6)
+    apart = lower_curve(lens) - upper_curve(lens)
+    return np.asarray((apart * down[..., None, :]).sum(-1).max(-1))
+
+
+def boxed(left: Array, right: Array, top: float, bottom: float) -> Array:
+    """(6, 2) the lens between two ends that reaches from ``top`` above their chord to ``bottom``
+    below it: the initial guess from a blob's box. A round shape has its middle points at the
+    ends, a flat one at a quarter of the chord."""
+    chord = right - left
+    width = max(float(np.linalg.norm(chord)), 1e-6)
+    down = np.array([-chord[1], chord[0]]) / width
+    inset = 0.25 * np.clip(2.0 - (top + bottom) / (0.35 * width), 0.0, 1.0)
+    near, far = left + inset * chord, right - inset * chord
+    rise, fall = -4.0 / 3.0 * top * down, 4.0 / 3.0 * bottom * down
+    return np.stack([left, right, near + rise, far + rise, near + fall, far + fall])

@@ -1,0 +1,53 @@
+"""What a feature is expected to be, as a quadratic form in the twelve numbers of its lens.
+
+The prior of a lens x is sum w |A x - A x0|^2 over its parts; together x' Q x - 2 b' x.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+_CORNERS = 0.03
+"""Per squared patch unit: an eye's corners stay at their calibrated place."""
+_CORNERS_UNKNOWN = 0.002
+"""The same while nobody knows where they are."""
+_LIDS = 0.0007
+"""Lids stay where they were."""
+_BROW_SHAPE, _BROW_THICKNESS = 0.002, 0.004
+"""A brow keeps its shape but for its place, and its thickness."""
+_LIPS = 0.0005
+"""Lips stay where they were."""
+
+
+def _pick(points: list[int]) -> Array:
+    rows = [2 * point + axis for point in points for axis in (0, 1)]
+    return np.eye(12)[rows]
+
+
+_ENDS, _MIDDLES, _WHOLE = _pick([0, 1]), _pick([2, 3, 4, 5]), np.eye(12)
+_THICKNESS = _pick([4, 5]) - _pick([2, 3])
+_SHAPE = np.eye(12) - np.kron(np.full((6, 6), 1.0 / 6.0), np.eye(2))
+
+
+def prior(group: str, rest: Array, last: Array, known: bool) -> tuple[Array, Array]:
+    """Q (12, 12) and b (12,) of a feature of ``group`` that looks like ``rest`` (6, 2) at rest
+    and was ``last`` (6, 2) in the frame before; ``known`` says that ``rest`` is the performer's
+    own."""
+    if group == "eye":
+        corners = _CORNERS if known else _CORNERS_UNKNOWN
+        return _form((corners, _ENDS, rest), (_LIDS, _MIDDLES, last))
+    if group == "brow":
+        return _form((_BROW_SHAPE, _SHAPE, rest), (_BROW_THICKNESS, _THICKNESS, rest))
+    return _form((_LIPS, _WHOLE, last))
+
+
+def _form(*parts: tuple[float, Array, Array]) -> tuple[Array, Array]:
+    quadratic, linear = np.zeros((12, 12)), np.zeros(12)
+    for weight, pick, wanted in parts:
+        square = weight * pick.T @ pick
+        quadratic += square
+        linear += square @ wanted.reshape(12)
+    return quadratic, linear
