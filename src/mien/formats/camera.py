@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from mien.errors import InputError, MissingExtraError
+from mien.errors import InputError
 from mien.performance.frame import Frame
 
 
@@ -54,7 +54,7 @@ class Camera:
 def open_camera(index: int, seconds: float, mirror: bool = False) -> Camera:
     """Look whether the camera is there and how large its pictures are.
 
-    Raises InputError without one, MissingExtraError without OpenCV.
+    Raises InputError without one.
     """
     device = _open(index)
     try:
@@ -69,10 +69,8 @@ def open_camera(index: int, seconds: float, mirror: bool = False) -> Camera:
 
 
 def _open(index: int) -> Any:
-    try:
-        import cv2
-    except ImportError as error:
-        raise MissingExtraError(f"camera:{index}", "landmarks") from error
+    import cv2  # a fifth of a second, and only cameras need it here
+
     cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
     device = cv2.VideoCapture(index)
     if not device.isOpened():

@@ -1,0 +1,1 @@
+"""Datagrams in which faces travel between programs; a protocol a module. Bytes in, frames out."""
