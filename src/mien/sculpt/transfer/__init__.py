@@ -1,0 +1,1 @@
+"""Deformation transfer: the key models of one face made for another that has none."""

@@ -1,0 +1,155 @@
+"""Which place of one face answers to which of another.
+
+The source is brought to the target by one similarity and a radial warp through the feature points
+both have, then fitted to its surface without rigidity: closest places and the thin plate take
+turns, the plate ever softer. Lids, sockets and the mouth's bag have no part in the fit (their
+closest places are their neighbours'): the plate carries them along.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from mien.errors import InputError
+from mien.face.face import Array, Face, Ints
+from mien.numeric import rbf
+from mien.numeric.biharmonic import Handles, spread, uniform_laplacian
+from mien.numeric.facing import ClosestPoints
+from mien.numeric.normals import vertex_normals
+from mien.numeric.procrustes import Similarity, align
+from mien.sculpt.transfer.outside import outside
+
+SKIN = "skin"
+"""The part that deforms."""
+_OFF_SKIN = frozenset({"3.5", "3.6", "7.1"})
+_OFF_GROUPS = frozenset({"6", "10", "11"})
+"""Tongue, ears and hair line: heads of other kinds have them elsewhere."""
+_TEETH = frozenset({"9.8", "9.9", "9.10", "9.11"})
+_FEWEST = 8
+
+_SMOOTHING = 0.03
+"""Of the radial warp, in the unit of ``rbf.fit``: about 2 mm on a head."""
+_PLATE = (30.0, 10.0, 3.0, 1.5)
+"""How firm the plate is in each round of the fit, against one closest place a vertex."""
+_STIFFNESS = 0.01
+_TURNED = 18.0
+"""mm by which a place that faces the other way counts as farther."""
+_FAR = 25.0
+"""mm beyond which no place answers."""
+_LID = 1.45
+"""Radii of an eyeball about its centre in which skin counts as lid."""
+
+
+@dataclass(frozen=True, slots=True)
+class Correspondence:
+    """Source skin of S vertices laid on a target skin of V vertices."""
+
+    similarity: Similarity
+    """Brings the source, and its motion, to the target's place and size."""
+    warped: Array
+    """(S, 3) the source's vertices on the target, mm in the target's head frame."""
+    partner: sparse.csr_matrix
+    """(V, S) takes values at the source's vertices to the target's."""
+    distance: Array
+    """(V,) mm from a vertex to its partner on the warped source."""
+    trust: Array
+    """(V,) 0..1."""
+
+
+def shared_points(source: Face, target: Face) -> tuple[str, ...]:
+    """FDP ids on the skin of both. Raises InputError where they are too few."""
+    common = tuple(
+        fdp
+        for fdp in source.points.ids
+        if fdp in target.points.ids
+        and fdp not in _OFF_SKIN | _TEETH
+        and fdp.partition(".")[0] not in _OFF_GROUPS
+    )
+    if len(common) < _FEWEST:
+        raise InputError(
+            f"only {len(common)} feature points are known on this face; give at least {_FEWEST}"
+            " (eye corners, mouth corners, nose, lips, chin)"
+        )
+    return common
+
+
+def correspond(source: Face, target: Face) -> Correspondence:
+    """Lay ``source`` on ``target``. Raises InputError where they share too few points."""
+    common = shared_points(source, target)
+    from_places = source.points.at(source.vertices)[source.points.index(common)]
+    to_places = target.points.at(target.vertices)[target.points.index(common)]
+    similarity = align(from_places, to_places)
+    skin = source.part(SKIN)
+    rest = similarity(source.vertices[skin.first : skin.last])
+    places = similarity(from_places)
+    field = rbf.fit(places, to_places - places, smoothing=_SMOOTHING)
+    warped = rest + field(rest)
+    triangles = (skin.triangles - skin.first).astype(np.int32)
+    seen = outside(rest, triangles) & ~_lids(source, rest, similarity)
+    own = target.part(SKIN)
+    surface = target.vertices[own.first : own.last]
+    own_triangles = (own.triangles - own.first).astype(np.int32)
+    warped = _fit(warped, triangles, seen, surface, own_triangles, field, places, to_places)
+    return _partners(similarity, warped, triangles, surface, own_triangles)
+
+
+def _lids(face: Face, rest: Array, similarity: Similarity) -> NDArray[np.bool_]:
+    """(S,) skin so near an eyeball that it is lid."""
+    near = np.zeros(len(rest), dtype=bool)
+    for eye in ("eye_left", "eye_right"):
+        radius = eye_radius(face, eye) * similarity.scale
+        distance = np.linalg.norm(rest - similarity(face.pivots[eye]), axis=1)
+        near |= distance < _LID * radius
+    return near
+
+
+def eye_radius(face: Face, eye: str) -> float:
+    """mm from the eye's pivot to the farthest of what turns with it; a fifth of the distance of
+    the eyes where nothing does."""
+    runs = [face.vertices[part.first : part.last] for part in face.parts if part.follows == eye]
+    if not runs:
+        apart = np.linalg.norm(face.pivots["eye_left"] - face.pivots["eye_right"])
+        return float(0.2 * apart)
+    return float(np.linalg.norm(np.concatenate(runs) - face.pivots[eye], axis=1).max())
+
+
+def _fit(
+    warped: Array,
+    triangles: Ints,
+    seen: NDArray[np.bool_],
+    surface: Array,
+    own_triangles: Ints,
+    field: rbf.Field,
+    places: Array,
+    to_places: Array,
+) -> Array:
+    """``warped`` (S, 3) drawn onto the target's ``surface`` where it is ``seen``."""
+    laplacian = uniform_laplacian(triangles, len(warped))
+    target = ClosestPoints(surface, own_triangles)
+    rows = np.flatnonzero(seen)
+    for firmness in _PLATE:
+        normals = vertex_normals(warped, triangles)[rows]
+        found = target(warped[rows], normals, _TURNED)
+        reached = (found.distance < _FAR) & (found.facing > 0.0)
+        pull = found.matrix(own_triangles, len(surface)) @ surface - warped[rows]
+        handles = Handles(len(warped))
+        handles.add(rows[reached], pull[reached], 1.0 / firmness)
+        handles.hold(np.flatnonzero(~seen), 1e-4)
+        warped = warped + spread(laplacian, handles, _STIFFNESS)
+    return warped
+
+
+def _partners(
+    similarity: Similarity, warped: Array, triangles: Ints, surface: Array, own_triangles: Ints
+) -> Correspondence:
+    normals = vertex_normals(surface, own_triangles)
+    found = ClosestPoints(warped, triangles)(surface, normals, _TURNED)
+    partner = found.matrix(triangles, len(warped))
+    middle = float(np.median(np.minimum(found.distance, _FAR)))
+    near = np.exp(-((found.distance / (3.0 + 2.0 * middle)) ** 2))
+    trust = near * np.clip(0.5 + found.facing, 0.0, 1.0)
+    return Correspondence(similarity, warped, partner, found.distance, trust)
