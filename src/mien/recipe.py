@@ -7,10 +7,12 @@ from pathlib import Path
 from typing import TypeVar
 
 from mien.capture import CAPTURES, CaptureSettings
+from mien.capture.fap import motion_from_faps, perform
 from mien.capture.shapes import motion_from_shapes
 from mien.errors import InputError, NoFaceError
 from mien.face.character import Character
 from mien.face.library import generic_face, load_character
+from mien.formats.fap import read_take, simple_take, write_take
 from mien.formats.lens import read_focal
 from mien.formats.livelink import read_livelink, write_livelink
 from mien.formats.mien_file import read_performance, write_performance
@@ -19,6 +21,7 @@ from mien.formats.sources import open_source
 from mien.formats.video import Video
 from mien.mapping import MAPPERS, Settings
 from mien.mapping.arkit import arkit_weights
+from mien.mapping.fap import fap_values
 from mien.performance.curves import Curves
 from mien.performance.filters import smooth as smooth_curves
 from mien.performance.frame import Frame
@@ -28,19 +31,36 @@ Progress = Callable[[int, int | None], None]
 Way = TypeVar("Way")
 
 
+MOTIONS: Mapping[str, Callable[[Performance, Character], Performance]] = {
+    "arkit": motion_from_shapes,
+    "fap": motion_from_faps,
+}
+"""How the weights of a vocabulary become motion of the generic face's points."""
+
+
+def _read_fap(path: Path) -> Performance:
+    return perform(read_take(path), f"FAP file {path.name}")
+
+
+def _write_fap(performance: Performance, path: Path) -> None:
+    write_take(path, simple_take(performance.time, fap_values(_moving(performance))))
+
+
 def _write_arkit(performance: Performance, path: Path) -> None:
-    weights = arkit_weights(performance, generic_face())
+    weights = arkit_weights(_moving(performance), generic_face())
     write_livelink(path, performance.time, weights, performance.head()[0], performance.gaze)
 
 
 READERS: Mapping[str, Callable[[Path], Performance]] = {
     ".mien": read_performance,
     ".csv": read_livelink,
+    ".fap": _read_fap,
 }
 """How a file that holds a performance is read, by its ending."""
 WRITERS: Mapping[str, Callable[[Performance, Path], None]] = {
     ".mien": write_performance,
     ".csv": _write_arkit,
+    ".fap": _write_fap,
 }
 """How a performance is kept in a file, by its ending."""
 
@@ -79,12 +99,14 @@ def capture(
 
 
 def load_performance(path: str | Path) -> Performance:
-    """A performance from a .mien file or a Live Link Face .csv. Raises InputError, FormatError."""
+    """A performance from a .mien file, a Live Link Face .csv or an MPEG-4 .fap. Raises InputError,
+    FormatError."""
     return _of_ending(READERS, Path(path))(Path(path))
 
 
 def save_performance(performance: Performance, path: str | Path) -> None:
-    """Keep a performance as .mien, or as a Live Link Face .csv (ARKit's 52 weights, head, eyes).
+    """Keep a performance as .mien, as a Live Link Face .csv (ARKit's 52 weights, head, eyes) or as
+    an MPEG-4 .fap (animation parameters 3 to 68).
 
     Raises InputError for another ending, OutputError where it cannot be written.
     """
@@ -106,11 +128,22 @@ def animate(
     """
     if not isinstance(character, Character):
         character = load_character(character)
-    if performance.vocabulary and not performance.points:
-        performance = motion_from_shapes(performance, generic_face())
+    performance = _moving(performance)
     mapper = _choose(MAPPERS, mapping, "mapping")(character, performance, Settings(gain=gain))
     curves = mapper(performance)
     return smooth_curves(curves) if smooth else curves
+
+
+def _moving(performance: Performance) -> Performance:
+    """``performance`` with motion of feature points, also where it came as weights."""
+    if performance.points or not performance.vocabulary:
+        return performance
+    if performance.vocabulary not in MOTIONS:
+        raise InputError(
+            f"{performance.source}: weights of '{performance.vocabulary}' are not understood; "
+            f"there are {', '.join(MOTIONS)}"
+        )
+    return MOTIONS[performance.vocabulary](performance, generic_face())
 
 
 def film(

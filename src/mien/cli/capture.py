@@ -1,4 +1,4 @@
-"""Read what a recorded face did, into a .mien file or a Live Link Face .csv."""
+"""Read what a recorded face did, into a .mien file, a Live Link Face .csv or an MPEG-4 .fap."""
 
 from __future__ import annotations
 
@@ -14,7 +14,10 @@ from mien.errors import InputError
 if TYPE_CHECKING:
     from mien.performance.performance import Performance
 
-TAKES = "a video, a folder of images, camera:0 (with --end), a .mien file or a Live Link Face .csv"
+TAKES = (
+    "a video, a folder of images, camera:0 (with --end), a .mien file, a Live Link Face .csv or an "
+    "MPEG-4 .fap"
+)
 CUT_OPTIONS = ("start", "end", "mirror", "rate", "neutral", "focal")
 """Options that say how a recording is looked at."""
 
@@ -27,7 +30,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--output",
         type=Path,
         metavar="FILE",
-        help="a .mien or .csv file (default: TAKE.mien in this folder)",
+        help="a .mien, .csv or .fap file (default: TAKE.mien in this folder)",
     )
 
 

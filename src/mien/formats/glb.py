@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from mien.face.character import Character
 from mien.face.face import FOLLOWS, Array, Face, Material, Part
-from mien.face.pieces import split
+from mien.face.targets import targets
 from mien.formats.atomic import whole_file
 from mien.formats.gltf_buffer import GltfBuffer, Json
 from mien.numeric.normals import vertex_normals
@@ -85,17 +85,10 @@ def _targets(
     character: Character, names: tuple[str, ...] | None
 ) -> tuple[tuple[str, ...], NDArray[np.float32]]:
     """Names (W) and displacement fields (W, V, 3) of the morph targets to write."""
-    keys = character.keys
     if names is None:
-        return keys.names, keys.displacements
-    pieces = split(character)
-    if names == pieces.names:
-        return names, pieces.displacements
-    known = dict(zip(keys.names, keys.displacements, strict=True))
-    known |= dict(zip(pieces.names, pieces.displacements, strict=True))
-    if not known.keys() >= set(names):
-        raise ValueError(f"{character.name} lacks {', '.join(set(names) - known.keys())}")
-    return names, np.stack([known[name] for name in names])
+        return character.keys.names, character.keys.displacements
+    chosen = targets(character, names)
+    return chosen.names, chosen.displacements
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from mien.face.animate import Poser
 from mien.face.character import Character
 from mien.face.face import Array, Face
-from mien.face.pieces import split
+from mien.face.targets import targets
 from mien.formats.atomic import whole_folder
 from mien.performance.curves import Curves
 
@@ -26,9 +26,9 @@ def write_obj_sequence(path: Path, character: Character, curves: Curves) -> None
     """Write the folder ``path`` with ``frame_00001.obj`` and so on, in metres.
 
     An earlier sequence there is replaced. Raises OutputError; ValueError where the curves drive
-    other targets than the character's pieces.
+    targets that the character has not.
     """
-    poser = Poser(character.face, split(character))
+    poser = Poser(character.face, targets(character, curves.names))
     colours, parts = _colours(character.face), _parts(character.face)
     with whole_folder(path) as folder:
         (folder / _MATERIALS).write_text(_materials(character.face))

@@ -12,12 +12,13 @@ from types import MappingProxyType
 from typing import Protocol
 
 from mien.face.character import Character
+from mien.mapping.fap import FapMapper
 from mien.mapping.joint import JointMapper
 from mien.mapping.settings import Settings
 from mien.performance.curves import Curves
 from mien.performance.performance import Performance
 
-__all__ = ["MAPPERS", "BuildMapper", "JointMapper", "Mapper", "Settings"]
+__all__ = ["MAPPERS", "BuildMapper", "FapMapper", "JointMapper", "Mapper", "Settings"]
 
 
 class Mapper(Protocol):
@@ -39,6 +40,6 @@ def _bounded(character: Character, header: Performance, settings: Settings) -> J
 
 
 MAPPERS: Mapping[str, BuildMapper] = MappingProxyType(
-    {"cardinal": JointMapper, "bounded": _bounded}
+    {"cardinal": JointMapper, "bounded": _bounded, "fap": FapMapper}
 )
 """The first is the default."""

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mien.face.character import Character
+from mien.face.face import Face
 from mien.face.pieces import split
 from mien.mapping.examples import measure_examples
 from mien.mapping.lids import SCALARS, find_lids
@@ -70,7 +71,7 @@ class JointMapper:
             motion, unseen = self._read(performance, part)
             weights[part] = self._mix(self._programme.solve(motion, unseen), performance, part)
             residual[part] = self._residual(motion, unseen, weights[part])
-        rotation, translation = self._head(performance)
+        rotation, translation = head_on_neck(performance, self.character.face)
         return Curves(
             character=self.character.name,
             names=self.pieces.names,
@@ -101,16 +102,6 @@ class JointMapper:
         own = self.examples.owner[:, None] == np.arange(len(self.character.examples))
         return np.asarray(weights @ (own / np.maximum(own.sum(axis=0), 1)))
 
-    def _head(self, performance: Performance) -> tuple[Array, Array]:
-        """Rotation (F, 3, 3) about the character's neck and translation (F, 3) mm of all of it.
-
-        A performance tells where the point between the eyes is; a neck that turns already carries
-        it about, and only the rest is a step to the side.
-        """
-        rotation, translation = performance.head()
-        neck = self.character.face.pivots["head"]
-        return rotation, translation + (rotation - np.eye(3)) @ neck
-
     def _read(self, performance: Performance, part: slice) -> tuple[Array, Array]:
         """Motion (F, Q, 3) of the compared rows, exaggerated, and the unseen directions."""
         if performance.points != self._points:
@@ -132,6 +123,16 @@ class JointMapper:
         left = (motion - shown.reshape(motion.shape))[:, :count]
         along = (left * unseen[:, None]).sum(axis=-1)
         return np.asarray(np.sqrt(((left**2).sum(axis=-1) - along**2).clip(0.0).mean(axis=1)))
+
+
+def head_on_neck(performance: Performance, face: Face) -> tuple[Array, Array]:
+    """Rotation (F, 3, 3) about the neck of ``face`` and translation (F, 3) mm of all of it.
+
+    A performance tells where the point between the eyes is; a neck that turns already carries it
+    about, and only the rest is a step to the side.
+    """
+    rotation, translation = performance.head()
+    return rotation, translation + (rotation - np.eye(3)) @ face.pivots["head"]
 
 
 def _parts(frames: int) -> Iterator[slice]:

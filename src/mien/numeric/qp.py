@@ -37,3 +37,16 @@ def solve_boxes(hessians: Array, linear: Array, lower: Array, upper: Array) -> A
             raise ArithmeticError(f"daqp stopped with flag {flag}")
         solutions[i] = x
     return np.clip(solutions, lower, upper)
+
+
+def kkt_residual(
+    hessians: Array, linear: Array, lower: Array, upper: Array, solutions: Array
+) -> Array:
+    """(F,) how far each of ``solutions`` (F, W) is from being the minimum of ``solve_boxes``'
+    problem: the largest step, in the unknowns' own unit, that one Jacobi step of projected descent
+    would still take. It is 0 exactly where the conditions of Karush, Kuhn and Tucker hold.
+    """
+    slope = (hessians @ solutions[..., None])[..., 0] + linear
+    step = slope / np.einsum("uii->ui", hessians)
+    away = solutions - np.clip(solutions - step, lower, upper)
+    return np.asarray(np.abs(away).max(axis=1, initial=0.0))

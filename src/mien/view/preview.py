@@ -13,7 +13,7 @@ from PIL import Image
 
 from mien.face.animate import Poser
 from mien.face.character import Character
-from mien.face.pieces import split
+from mien.face.targets import targets
 from mien.performance.curves import Curves
 from mien.performance.frame import Frame
 from mien.view.camera import Camera
@@ -66,7 +66,7 @@ class _Actor:
 
     def __init__(self, character: Character, curves: Curves, side: int) -> None:
         self._curves = curves
-        self._poser = Poser(character.face, split(character))
+        self._poser = Poser(character.face, targets(character, curves.names))
         self._renderer = Renderer(character.face)
         self._camera = replace(CAMERA, size=(side, side))
 

@@ -1,0 +1,203 @@
+"""The FAP basis C of a face: what each animation parameter does to all its vertices ([C] eq. 2).
+
+Each FAP moves its own feature point by its value times its unit along its axis, exactly, and no
+other point along an axis in which another FAP moves that; FAPs that turn the head or an eye are
+rotations and have no field. What cannot be linear, and what surfaces that touch forbid, is in
+``fap_weights``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mien.errors import InputError
+from mien.face import fap_parts
+from mien.face.character import Character, KeyModels
+from mien.face.face import Array, Face
+from mien.face.fap_lids import lids
+from mien.face.fap_skin import CHIN, Skin, skin
+from mien.face.influence import LIPS, Mask
+from mien.vocabulary.fap import PER_UNIT, column, faps, names, simple
+from mien.vocabulary.fapu import Fapu, measure
+
+NEEDED = (CHIN, *LIPS, "8.1", "8.2", "8.3", "8.4", "8.5", "8.6", "8.7", "8.8", "9.15")
+"""Points without which a face cannot be driven by FAPs."""
+LIDS = (19, 20, 21, 22)
+"""FAPs of the upper lids, left and right, then the lower."""
+SLIDES = tuple(f"slide_{faps()[number].name.removeprefix('close_')}" for number in LIDS)
+"""What carries each lid round the eyeball on its way."""
+_TARGETS = (*names(), *SLIDES)
+_MEET = ((4, 5), (8, 10), (9, 11))
+"""FAPs of an upper lip, down, and the lower lip, up, that meet."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FapBasis:
+    """The fields of one face."""
+
+    fapu: Fapu
+    size: Array
+    """(66,) mm, or radians, of a value of 1."""
+    fields: NDArray[np.float32]
+    """(66, V, 3) mm at a value of 1; zero for what turns, and what the face has no point for."""
+    slides: NDArray[np.float32]
+    """(4, V, 3) mm that each of LIDS is carried round the eyeball half-way."""
+    closed: float
+    """Value at which the lips' inner edges have met."""
+
+
+def fap_basis(face: Face) -> FapBasis:
+    """Work out the basis of ``face``: half a second. Raises InputError where it lacks points."""
+    missing = [fdp for fdp in NEEDED if fdp not in face.points.ids]
+    if missing:
+        raise InputError(
+            f"the face has no feature point {missing[0]}; without {len(missing)} such points it "
+            "cannot be driven by FAPs"
+        )
+    fapu = measure(face.points.ids, face.points.at(face.vertices))
+    held, eyes = _lids(face)
+    body = skin(face, held)
+    fields = np.zeros((len(simple()), *face.vertices.shape))
+    for (fdp, axis), influence in body.maps.items():
+        for number in _along(fdp, axis):
+            fields[column(number), :, axis] = faps()[number].sign * influence
+    _move_jaw(face, body, fields)
+    _move_tongue(face, fields)
+    _move_ears(face, body.part, fields)
+    _move_eyes(face, fapu, fields)
+    size = np.array([fap.size(fapu) for fap in simple()])
+    fields *= np.nan_to_num(size)[:, None, None]
+    for number in LIDS:
+        if number in eyes:
+            fields[column(number)] = eyes[number][0] / PER_UNIT
+    slides = np.stack([eyes[n][1] if n in eyes else np.zeros_like(face.vertices) for n in LIDS])
+    everything = np.concatenate([fields, slides])
+    fap_parts.cling(face, everything, body.part)
+    gap = max(float(face.point("2.2")[1] - face.point("2.3")[1]), 0.0)
+    return FapBasis(
+        fapu=fapu,
+        size=size,
+        fields=everything[: len(fields)].astype(np.float32),
+        slides=everything[len(fields) :].astype(np.float32),
+        closed=gap / fapu.philtrum * PER_UNIT,
+    )
+
+
+def _along(fdp: str, axis: int) -> list[int]:
+    return [fap.number for fap in simple() if fap.point == fdp and fap.axis == axis]
+
+
+def _lids(face: Face) -> tuple[Mask, dict[int, tuple[Array, Array]]]:
+    """(V,) skin that only the lids move, and motion and slide (V, 3) of each lid's FAP."""
+    held = np.zeros(len(face.vertices), dtype=bool)
+    found = {}
+    for side, (upper_fap, lower_fap) in enumerate(((19, 21), (20, 22))):
+        both = lids(face, side)
+        if both is None:
+            continue
+        held |= both.area
+        found[upper_fap] = both.upper.motion, both.upper.slide
+        found[lower_fap] = both.lower.motion, both.lower.slide
+    return held, found
+
+
+def _move_jaw(face: Face, body: Skin, fields: Array) -> None:
+    """Skin goes where the chin goes; bone turns; the mouth's lining hangs between lips and bone."""
+    chin = face.point(CHIN)
+    motion = fap_parts.jaw_motion(face, chin)
+    bone = fap_parts.on_lower_jaw(face)
+    hung = (body.floor * (1.0 - body.rim_share))[body.lining]
+    for axis in range(3):
+        for number in _along(CHIN, axis):
+            sign = faps()[number].sign
+            field = fields[column(number)]
+            field[:, axis] = sign * body.jaw[axis] * motion[axis, :, axis]
+            field[bone] = sign * motion[axis, bone]
+            field[body.lining] += sign * hung[:, None] * motion[axis, body.lining]
+    rim, weight = body.rim_near
+    share = body.rim_share[body.lining]
+    followed = np.einsum("nvkx,vk->nvx", fields[:, rim], weight)
+    fields[:, body.lining] += share[:, None] * followed
+
+
+def _move_tongue(face: Face, fields: Array) -> None:
+    found = fap_parts.tongue(face)
+    if found is None:
+        return
+    part, surface = found
+    mine = fap_parts.rows(face, part)
+    for fap in simple():
+        if fap.group != 6:
+            continue
+        if fap.axis is None:
+            fields[column(fap.number), mine] = fap_parts.curl(face, part)[mine]
+            continue
+        zero = [o.point for o in simple() if o.group == 6 and o.axis == fap.axis]
+        influence = surface.map([fap.point], [fdp for fdp in zero if fdp != fap.point])
+        fields[column(fap.number), mine, fap.axis] = fap.sign * influence[mine]
+
+
+def _move_ears(face: Face, skin_part: Mask, fields: Array) -> None:
+    for surface in fap_parts.ears(face, skin_part):
+        for fap in simple():
+            if fap.group == 10 and fap.point in surface.ids and fap.axis is not None:
+                influence = surface.map([fap.point], [])
+                fields[column(fap.number), :, fap.axis] += fap.sign * influence
+
+
+def _move_eyes(face: Face, fapu: Fapu, fields: Array) -> None:
+    for side, (thrust, widen) in enumerate(((27, 29), (28, 30))):
+        fields[column(thrust), fap_parts.eyeball(face, side), 2] = 1.0
+        if np.isfinite(fapu.iris):
+            fields[column(widen)] = fap_parts.widened_pupil(face, side, fapu.iris)
+
+
+@lru_cache(maxsize=8)
+def basis_of(character: Character) -> FapBasis:
+    """The basis of a character's face, kept: do not write into it."""
+    return fap_basis(character.face)
+
+
+def is_fap(name: str) -> bool:
+    """Whether ``name`` is one of ``fap_models``'."""
+    return name in _TARGETS
+
+
+@lru_cache(maxsize=8)
+def fap_models(character: Character) -> KeyModels:
+    """The morph targets by which FAPs drive a character: each FAP that moves something at the
+    strongest a face can do it (``Fap.upper``), then the slides of the lids. Kept, as above."""
+    basis = basis_of(character)
+    upper = np.array([fap.upper for fap in simple()], dtype=np.float32)
+    fields = np.concatenate([basis.fields * upper[:, None, None], basis.slides])
+    moving = [i for i, field in enumerate(fields) if field.any()]
+    return KeyModels(tuple(_TARGETS[i] for i in moving), fields[moving])
+
+
+def fap_weights(character: Character, values: Array) -> Array:
+    """Weights (F, W) of ``fap_models`` at FAP ``values`` (F, 66): lips and lids that have met
+    press no further, and lids slide on the eyeball as they move."""
+    basis, models = basis_of(character), fap_models(character)
+    met = met_values(values, basis.closed)
+    upper = np.array([fap.upper for fap in simple()])
+    part = met[:, [column(number) for number in LIDS]] / PER_UNIT
+    weights = np.concatenate([met / upper, 4.0 * part * (1.0 - part)], axis=1)
+    return weights[:, [_TARGETS.index(name) for name in models.names]]
+
+
+def met_values(values: Array, closed: float = 0.0) -> Array:
+    """``values`` (F, 66) with lips and lids that would pass through each other stopped where they
+    meet: lips give way by halves (``closed`` is the value at which they touch), the upper lid
+    rests on the lower."""
+    met = np.array(values, dtype=float)
+    for above, below in _MEET:
+        pair = [column(above), column(below)]
+        past = np.maximum(met[:, pair].sum(axis=1) - closed, 0.0)
+        met[:, pair] -= past[:, None] / 2.0
+    for above, below in zip(LIDS[:2], LIDS[2:], strict=True):
+        met[:, column(above)] = np.minimum(met[:, column(above)], PER_UNIT - met[:, column(below)])
+    return met

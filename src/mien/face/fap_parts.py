@@ -1,0 +1,139 @@
+"""How FAPs move what is not skin: teeth and tongue, eyeballs and pupils, ears, brows and lashes."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from mien.face.face import Array, Face, Part
+from mien.face.influence import Mask, Surface
+
+TONGUE_TIP, TONGUE_BORDERS = "6.1", ("6.3", "6.4")
+_ON_LOWER_JAW = ("teeth_lower", "gum_lower", "tongue")
+_STANDS = ("teeth", "gum", "hair")
+"""Parts of the head that no skin carries along."""
+_ROOT = 0.35
+"""Part of the tongue's length, from behind, that is grown fast."""
+_TOUCHES = 2.5
+"""mm between an ear and the skin it grows on."""
+_NEAREST = 6
+
+
+def rows(face: Face, part: Part) -> Mask:
+    """(V,) the vertices of ``part``."""
+    number = np.arange(len(face.vertices))
+    return np.asarray((number >= part.first) & (number < part.last))
+
+
+def on_lower_jaw(face: Face) -> Mask:
+    """(V,) lower teeth, gums and tongue."""
+    return _named(face, _ON_LOWER_JAW)
+
+
+def jaw_motion(face: Face, chin: Array) -> Array:
+    """(3, V, 3) what a bone does that goes with the jaw when the chin at ``chin`` (3,) goes 1 mm
+    to the left, up, and forward: it slides, turns about the condyles (linearised), slides."""
+    ray, arm = face.vertices - face.pivots["jaw"], chin - face.pivots["jaw"]
+    motion = np.zeros((3, *face.vertices.shape))
+    motion[0, :, 0] = 1.0
+    motion[1, :, 1] = np.maximum(ray[:, 2], 0.0) / arm[2]
+    motion[1, :, 2] = -ray[:, 1] / arm[2]
+    motion[2, :, 2] = 1.0
+    return motion
+
+
+def tongue(face: Face) -> tuple[Part, Surface] | None:
+    """The tongue and the surface over which its points' influence spreads; None without one."""
+    part = _bearing(face, TONGUE_TIP)
+    if part is None or not part.name.startswith("tongue"):
+        return None
+    depth = face.vertices[:, 2]
+    mine = rows(face, part)
+    back, tip = depth[mine].min(), face.point(TONGUE_TIP)[2]
+    root = mine & (depth < back + _ROOT * (tip - back))
+    return part, Surface(face.vertices, part.triangles, face.points, tip - back, root)
+
+
+def curl(face: Face, part: Part) -> Array:
+    """(V, 3) mm a radian: the borders of the tongue rise about its middle line, not its root."""
+    lift = np.zeros_like(face.vertices)
+    mine = rows(face, part)
+    depth = face.vertices[:, 2]
+    back, tip = depth[mine].min(), depth[mine].max()
+    border = np.abs([face.point(fdp)[0] for fdp in TONGUE_BORDERS]).mean()
+    free = np.clip((depth - back) / (tip - back) / _ROOT - 1.0, 0.0, 1.0)
+    lift[mine, 1] = (face.vertices[mine, 0] ** 2 / border) * free[mine]
+    return lift
+
+
+def ears(face: Face, skin: Mask) -> list[Surface]:
+    """The surfaces of ears that are parts of their own, held where they touch the ``skin``."""
+    near = cKDTree(face.vertices[skin])
+    found = []
+    for fdp in ("10.1", "10.2"):
+        part = _bearing(face, fdp)
+        if part is None or skin[part.first]:
+            continue
+        touching = rows(face, part)
+        touching[touching] = near.query(face.vertices[touching])[0] < _TOUCHES
+        size = float(np.ptp(face.vertices[part.first : part.last, 1]))
+        found.append(Surface(face.vertices, part.triangles, face.points, size, touching))
+    return found
+
+
+def eyeball(face: Face, side: int) -> Mask:
+    """(V,) all that the left (0) or right eye carries."""
+    found = np.zeros(len(face.vertices), dtype=bool)
+    for part in face.parts:
+        if part.follows == ("eye_left", "eye_right")[side]:
+            found |= rows(face, part)
+    return found
+
+
+def widened_pupil(face: Face, side: int, iris: float) -> Array:
+    """(V, 3) mm for each mm that the pupil's diameter grows; ``iris`` is the iris' diameter, of
+    which the pupil is a third at rest. What lies between slides along the ball."""
+    ball = face.pivots[("eye_left", "eye_right")[side]]
+    ray = face.vertices - ball
+    out = np.linalg.norm(ray[:, :2], axis=1)
+    pupil, edge = iris / 6.0, iris / 2.0
+    grow = 0.5 * np.clip(np.minimum(out / pupil, (edge - out) / (edge - pupil)), 0.0, 1.0)
+    grow *= eyeball(face, side) & (ray[:, 2] > 0.0)
+    step = np.zeros_like(ray)
+    step[:, :2] = ray[:, :2] * (grow / np.maximum(out, 1e-9))[:, None]
+    step[:, 2] = -grow * out / np.maximum(ray[:, 2], 1e-9)
+    return step
+
+
+def cling(face: Face, fields: Array, skin: Mask) -> None:
+    """Let brows, lashes, seams and the like follow the skin beneath them: fills their part of
+    ``fields`` (N, V, 3)."""
+    ears_too = [_bearing(face, fdp) for fdp in ("10.1", "10.2")]
+    clinging = np.zeros(len(face.vertices), dtype=bool)
+    for part in face.parts:
+        stands = part.name.startswith((*_STANDS, *_ON_LOWER_JAW)) or part in ears_too
+        if part.follows == "head" and not skin[part.first] and not stands:
+            clinging |= rows(face, part)
+    if not clinging.any():
+        return
+    below = np.flatnonzero(skin)
+    distance, near = cKDTree(face.vertices[below]).query(face.vertices[clinging], k=_NEAREST)
+    weight = 1.0 / np.maximum(distance, 1e-6) ** 2
+    weight /= weight.sum(axis=1, keepdims=True)
+    fields[:, clinging] = np.einsum("nvkx,vk->nvx", fields[:, below[near]], weight)
+
+
+def _named(face: Face, starts: tuple[str, ...]) -> Mask:
+    found = np.zeros(len(face.vertices), dtype=bool)
+    for part in face.parts:
+        if part.name.startswith(starts):
+            found |= rows(face, part)
+    return found
+
+
+def _bearing(face: Face, fdp: str) -> Part | None:
+    """The part on which a feature point lies."""
+    if fdp not in face.points.ids:
+        return None
+    vertex = face.points.vertices[face.points.index([fdp])[0], 0]
+    return next(part for part in face.parts if part.first <= vertex < part.last)
