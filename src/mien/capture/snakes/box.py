@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
@@ -9,11 +10,12 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.capture.snakes.features import NAMES, usual_lenses
+from mien.capture.snakes.features import usual_lenses
 from mien.capture.snakes.lens import outline
 from mien.capture.snakes.patch import Picture, Placement
 
 Array = NDArray[np.float64]
+Field = NDArray[np.float32]
 
 _SEARCH_WIDTH = 320
 """Pixels to which a frame is reduced for the cascade."""
@@ -27,11 +29,27 @@ _COARSE = 0.25
 """Pixels of the coarse patch in a patch unit."""
 _REACH = 28
 """Patch units by which the cascade may be wrong."""
-_HALF_WIDTH, _ABOVE, _BELOW = 104, 68, 170
 _TURNS = np.radians(np.arange(-15.0, 15.1, 5.0))
-_SCALES = np.array([0.9, 0.97, 1.04, 1.12])
-_TURN_SIGMA, _SCALE_SIGMA, _SHIFT_SIGMA = np.radians(25.0), 0.35, 45.0
+_SCALES = np.array([0.8, 0.86, 0.93, 1.0, 1.08, 1.16])
+_TURN_SIGMA, _SCALE_SIGMA, _SHIFT_SIGMA = np.radians(25.0), 0.3, 40.0
 """How far from the cascade's word a match loses as much as a perfect one would gain."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Part:
+    """Dark bars that keep their place to each other, and how they move against the eyes."""
+
+    features: tuple[str, ...]
+    weight: float
+    flex: int
+    """Patch units up or down from their usual place."""
+
+
+_PARTS = (
+    _Part(("eye_right", "eye_left"), 1.0, 0),
+    _Part(("brow_right", "brow_left"), 0.6, 8),
+    _Part(("mouth",), 0.6, 12),
+)
 
 
 def find_face(image: Picture) -> Placement | None:
@@ -61,10 +79,8 @@ def _placed(box: tuple[float, float, float]) -> Placement:
 
 
 def refine(image: Picture, guess: Placement) -> Placement:
-    """``guess`` moved, scaled and turned until dark bars lie on brows, eyes, nostrils and mouth."""
+    """``guess`` moved, scaled and turned until dark bars lie on eyes, brows and mouth."""
     best, found = -np.inf, guess
-    bars = _bars()
-    rows, columns = bars.shape
     reach = round(_REACH * _COARSE)
     shift = np.mgrid[-reach : reach + 1, -reach : reach + 1] / _COARSE
     leaving = (shift**2).sum(0) / _SHIFT_SIGMA**2
@@ -72,10 +88,8 @@ def refine(image: Picture, guess: Placement) -> Placement:
         for scale in _SCALES:
             c, s = np.cos(turn) / scale, np.sin(turn) / scale
             trial = guess.moved(np.array([[c, s, 0.0], [-s, c, 0.0]]))
-            dark = _darkness(image, trial, (columns + 2 * reach, rows + 2 * reach))
-            score = cv2.matchTemplate(dark, bars, cv2.TM_CCOEFF_NORMED)
-            score = score - leaving - (turn / _TURN_SIGMA) ** 2
-            score -= (np.log(scale) / _SCALE_SIGMA) ** 2
+            score = _likeness(*_cues(image, trial)) - leaving
+            score -= (turn / _TURN_SIGMA) ** 2 + (np.log(scale) / _SCALE_SIGMA) ** 2
             row, column = np.unravel_index(int(score.argmax()), score.shape)
             if score[row, column] > best:
                 best = float(score[row, column])
@@ -84,34 +98,66 @@ def refine(image: Picture, guess: Placement) -> Placement:
     return found
 
 
-def _darkness(image: Picture, placement: Placement, size: tuple[int, int]) -> NDArray[np.float32]:
-    """ln(local mean / brightness) of the coarse patch and its surroundings."""
+_PALE = 2.0
+"""How much paler counts against darker."""
+_AROUND = (11, 11)
+_LEFT, _TOP, _RIGHT, _BOTTOM = -108, -72, 108, 136
+"""Patch units that the bars cover."""
+_MARGIN = _REACH + max(part.flex for part in _PARTS)
+
+
+def _cues(image: Picture, placement: Placement) -> tuple[Field, Field]:
+    """What is darker than its surroundings on the coarse patch, and what is darker or paler: only
+    eyes have white beside dark."""
     matrix = placement.matrix * _COARSE
-    reach = round(_REACH * _COARSE)
-    matrix[:, 2] += np.array([_HALF_WIDTH, _ABOVE]) * _COARSE + reach
+    matrix[:, 2] += (_MARGIN - np.array([_LEFT, _TOP])) * _COARSE
     matrix[:, 2] += matrix[:, :2] @ np.array([0.5, 0.5])
+    size = [round((2 * _MARGIN + side) * _COARSE) for side in (_RIGHT - _LEFT, _BOTTOM - _TOP)]
     small = cv2.warpAffine(image, matrix, size, borderMode=cv2.BORDER_REPLICATE)
     value = small.max(axis=2).astype(np.float32) + 4.0
-    return np.asarray(np.clip(np.log(cv2.blur(value, (11, 11)) / value), -0.3, 1.0))
+    tint = (value - small.min(axis=2)) / value
+    dark = np.clip(np.log(cv2.blur(value, _AROUND) / value), -0.3, 1.0)
+    pale = np.clip(cv2.blur(tint, _AROUND) - tint, -0.1, 0.5)
+    return dark, dark + _PALE * pale
+
+
+def _likeness(dark: Field, eyes: Field) -> Field:
+    """(2 reach + 1, 2 reach + 1) how well the bars fit at each shift."""
+    reach = round(_REACH * _COARSE)
+    total = np.zeros((2 * reach + 1, 2 * reach + 1), np.float32)
+    for part, (bars, row, column) in zip(_PARTS, _bars(), strict=True):
+        flex = round(part.flex * _COARSE)
+        margin = round(_MARGIN * _COARSE)
+        rows, columns = bars.shape
+        top, left = margin + row - reach - flex, margin + column - reach
+        window = (eyes if part.flex == 0 else dark)[
+            top : top + rows + 2 * (reach + flex), left : left + columns + 2 * reach
+        ]
+        match = cv2.matchTemplate(window, bars, cv2.TM_CCOEFF_NORMED)
+        match = cv2.dilate(match, np.ones((2 * flex + 1, 1), np.uint8))
+        total += part.weight * match[flex : flex + 2 * reach + 1]
+    return total
 
 
 @cache
-def _bars() -> NDArray[np.float32]:
-    """The features of a resting face drawn as dark bars on the coarse patch."""
-    picture = np.zeros((round((_ABOVE + _BELOW) * _COARSE), round(2 * _HALF_WIDTH * _COARSE)), "f4")
-    corner = np.array([_HALF_WIDTH, _ABOVE])
-    for name, lens in zip(NAMES, usual_lenses(), strict=True):
-        if name == "lips":
-            middle = (lens[[0, 1]] + corner) * _COARSE
-            places, closed = np.round(middle).astype(np.int32), False
-        else:
-            places = np.round((outline(lens) + corner) * _COARSE).astype(np.int32)
-            closed = True
-        if closed:
-            cv2.fillPoly(picture, [places], 1.0)
-        else:
-            cv2.polylines(picture, [places], False, 1.0)
-    return np.asarray(cv2.GaussianBlur(picture, (0, 0), 0.8))
+def _bars() -> tuple[tuple[NDArray[np.float32], int, int], ...]:
+    """Each part of a resting face drawn on the coarse patch, with its first row and column."""
+    return tuple(_drawn(part.features) for part in _PARTS)
+
+
+def _drawn(features: tuple[str, ...]) -> tuple[NDArray[np.float32], int, int]:
+    known = usual_lenses()
+    corner = np.array([_LEFT, _TOP])
+    whole = [round((_BOTTOM - _TOP) * _COARSE), round((_RIGHT - _LEFT) * _COARSE)]
+    picture = np.zeros(whole, np.float32)
+    for name in features:
+        places = np.round((outline(known[name]) - corner) * _COARSE).astype(np.int32)
+        cv2.fillPoly(picture, [places], 1.0)
+        cv2.polylines(picture, [places], True, 1.0)
+    rows, columns = np.nonzero(picture)
+    top, left = max(rows.min() - 3, 0), max(columns.min() - 3, 0)
+    picture = cv2.GaussianBlur(picture, (0, 0), 0.8)
+    return picture[top : rows.max() + 4, left : columns.max() + 4], int(top), int(left)
 
 
 @cache

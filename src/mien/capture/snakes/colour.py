@@ -64,9 +64,10 @@ class Weights:
 
 
 USUAL_WEIGHTS = {
-    "brow": Weights(0.0, 1.0, -0.3, 0.0, 0.33),
-    "eye": Weights(0.0, 0.6, -0.35, 0.1, 0.1),
-    "lip": Weights(0.2, 0.05, 0.0, 0.75, 0.02),
+    "brow": Weights(0.0, 0.75, -0.2, 0.0, 0.30),
+    "eye": Weights(-0.2, 0.3, -0.43, 0.2, 0.03),
+    "sclera": Weights(-0.5, 0.0, 0.0, 0.0, 0.05),
+    "lip": Weights(0.2, 0.06, 0.0, 0.7, 0.06),
 }
 """Before any training: about what least squares gives on frontal photographs and films."""
 

@@ -41,14 +41,19 @@ NAMES = tuple(feature.name for feature in FEATURES)
 ROW = {name: row for row, name in enumerate(NAMES)}
 
 
-@cache
-def usual_lenses() -> Array:
-    """(L, 6, 2) the features of a resting face: the middle of several adults."""
-    text = (files("mien.capture.snakes") / "data" / "usual_lenses.csv").read_text(encoding="utf-8")
-    rows = (line.split(",") for line in text.splitlines() if not line.startswith(("#", "feature")))
-    known = {name: np.array(numbers, dtype=float).reshape(6, 2) for name, *numbers in rows}
-    return np.stack([known[name] for name in NAMES])
-
-
 MOUTH = len(FEATURES)
 """Row of the mouth's opening, which is found inside the lips."""
+
+
+@cache
+def usual_lenses() -> dict[str, Array]:
+    """(6, 2) each: the features and the mouth's opening of a resting face, the middle of several
+    adults."""
+    text = (files("mien.capture.snakes") / "data" / "usual_lenses.csv").read_text(encoding="utf-8")
+    rows = (line.split(",") for line in text.splitlines() if not line.startswith(("#", "feature")))
+    return {name: np.array(numbers, dtype=float).reshape(6, 2) for name, *numbers in rows}
+
+
+def usual_features() -> Array:
+    """(L, 6, 2) those of FEATURES, in their order."""
+    return np.stack([usual_lenses()[name] for name in NAMES])

@@ -17,12 +17,15 @@ from mien.capture.snakes.patch import ORIGIN
 Array = NDArray[np.float64]
 Grey = NDArray[np.uint8]
 
+COUNT = 48
+"""Points that are followed."""
 _SPACING = 8
-_LEFT, _TOP, _RIGHT, _BOTTOM = -24, -12, 24, 60
-"""Nose and inner eyes, patch units."""
-GRID = np.mgrid[_LEFT : _RIGHT + 1 : _SPACING, _TOP : _BOTTOM + 1 : _SPACING].reshape(2, -1).T
-GRID = GRID[(np.abs(GRID[:, 0]) < 12) | (GRID[:, 1] < 4) | (GRID[:, 1] > 36)].astype(float)
-"""(G, 2) where the points lie on an anchor, patch units."""
+_GRID = np.mgrid[-24:25:_SPACING, -12:61:_SPACING].reshape(2, -1).T
+_GRID = _GRID[(np.abs(_GRID[:, 0]) < 12) | (_GRID[:, 1] > 36)].astype(float)
+"""Where points are taken when nothing on the nose stands out, patch units."""
+_ZONES = ((-32, -12, 32, 12), (-20, 12, 20, 40), (-32, 36, 32, 72))
+"""Left, top, right, bottom of what is rigid: inner eyes, bridge, nose; patch units."""
+_QUALITY, _APART = 0.02, 5.0
 
 _WINDOW = (21, 21)
 _LEVELS = 3
@@ -40,6 +43,17 @@ class Moved:
     """(G, 2) patch units."""
     similarity: Array
     """(2, 3) the head's movement: places now from places before, patch units."""
+
+
+def choose(anchor: Grey) -> Array:
+    """(COUNT, 2) the places on a grey patch that can be found again best (Shi and Tomasi 1994)."""
+    mask = np.zeros(anchor.shape, np.uint8)
+    x, y = ORIGIN.astype(int).tolist()
+    for left, top, right, bottom in _ZONES:
+        mask[top + y : bottom + y, left + x : right + x] = 1
+    found = cv2.goodFeaturesToTrack(anchor, COUNT, _QUALITY, _APART, mask=mask)
+    best = np.zeros((0, 2)) if found is None else found[:, 0].astype(float) - ORIGIN
+    return np.concatenate([best, _GRID])[:COUNT]
 
 
 def follow(reference: Grey, there: Array, before: Array, now: Grey) -> Moved | None:

@@ -25,8 +25,8 @@ Mask = NDArray[np.uint8]
 
 _DARK = 0.38
 """ln(V of the lips / V) from which a pixel is dark."""
-_PALE = 0.42
-"""Share of the lips' magenta that a tooth lacks."""
+_PALE = 0.65
+"""Share of the skin's magenta that a tooth has at most: lips have more than skin, teeth less."""
 _BRIGHT = 0.55
 """Share of the lips' brightness that a tooth has at least."""
 _FEWEST = 30
@@ -73,7 +73,7 @@ def lip_colour(lens: Array, value: Field, magenta: Field, corner: Array) -> LipC
 def inside_masks(value: Field, magenta: Field, lips: LipColour) -> tuple[Mask, Mask]:
     """Dark pixels and teeth in the lips' rectangle, 0 or 1."""
     dark = value < lips.value * np.exp(-_DARK)
-    teeth = (magenta < (1.0 - _PALE) * lips.magenta) & (value > _BRIGHT * lips.value)
+    teeth = (magenta < _PALE * MAGENTA_SKIN) & (value > _BRIGHT * lips.value)
     return dark.astype(np.uint8), teeth.astype(np.uint8)
 
 

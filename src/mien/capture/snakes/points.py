@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from mien.capture.headfit import HeadModel
 from mien.capture.snakes.features import MOUTH, ROW
-from mien.capture.snakes.flow import GRID
+from mien.capture.snakes.flow import COUNT as RIGID, _GRID as GRID
 from mien.capture.snakes.lens import LOWER, UPPER
 from mien.face.character import Character
 from mien.numeric.bezier import bernstein
@@ -73,7 +73,7 @@ def _weights() -> Array:
 _WEIGHTS = _weights()
 """(24, L, 6): points are linear in the lenses."""
 
-COUNT = len(_WEIGHTS) + len(GRID)
+COUNT = len(_WEIGHTS) + RIGID
 
 
 def places(lenses: Array, rigid: Array) -> Array:

@@ -18,8 +18,11 @@ _LIDS = 0.0007
 """Lids stay where they were."""
 _BROW_SHAPE, _BROW_THICKNESS = 0.002, 0.004
 """A brow keeps its shape but for its place, and its thickness."""
-_LIPS = 0.0005
+_LIPS = 0.0001
 """Lips stay where they were."""
+
+_EVENNESS = 0.0005
+"""The two halves of lids and lips differ as they do at rest."""
 
 
 def _pick(points: list[int]) -> Array:
@@ -32,16 +35,29 @@ _THICKNESS = _pick([4, 5]) - _pick([2, 3])
 _SHAPE = np.eye(12) - np.kron(np.full((6, 6), 1.0 / 6.0), np.eye(2))
 
 
+def _evenness() -> Array:
+    """(4, 12) how unlike the two middle points of a curve lie to their ends: upper and lower
+    curve, along and across."""
+    rows = np.zeros((4, 6, 2))
+    for curve, (left, right) in enumerate(((2, 3), (4, 5))):
+        rows[2 * curve, [left, right, 0, 1], 0] = 1.0, 1.0, -1.0, -1.0
+        rows[2 * curve + 1, [left, right, 0, 1], 1] = 1.0, -1.0, -1.0, 1.0
+    return rows.reshape(4, 12)
+
+
+_EVEN = _evenness()
+
+
 def prior(group: str, rest: Array, last: Array, known: bool) -> tuple[Array, Array]:
     """Q (12, 12) and b (12,) of a feature of ``group`` that looks like ``rest`` (6, 2) at rest
     and was ``last`` (6, 2) in the frame before; ``known`` says that ``rest`` is the performer's
     own."""
     if group == "eye":
         corners = _CORNERS if known else _CORNERS_UNKNOWN
-        return _form((corners, _ENDS, rest), (_LIDS, _MIDDLES, last))
+        return _form((corners, _ENDS, rest), (_LIDS, _MIDDLES, last), (_EVENNESS, _EVEN, rest))
     if group == "brow":
         return _form((_BROW_SHAPE, _SHAPE, rest), (_BROW_THICKNESS, _THICKNESS, rest))
-    return _form((_LIPS, _WHOLE, last))
+    return _form((_LIPS, _WHOLE, last), (_EVENNESS, _EVEN, rest))
 
 
 def _form(*parts: tuple[float, Array, Array]) -> tuple[Array, Array]:

@@ -1,0 +1,99 @@
+"""How the head is turned, from what is rigid: scaled orthography on the performer's own points.
+
+    symbol                     name
+    p = s (R X)_xy + t         place of a point in the patch, patch units
+    X                          the point at rest: x right, y down, z away from the viewer
+
+Near enough for where to look for features; the performance's own pose is perspective (headfit).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+_ROUNDS = 4
+_KNEE = 2.0
+"""Patch units of a residual from where a point counts half."""
+_STIFFNESS = 50.0
+"""Squared patch units a squared radian by which a head's turn from one frame to the next costs."""
+
+
+@dataclass(frozen=True, slots=True)
+class Pose:
+    """The head in the patch."""
+
+    rotation: Array
+    """(3, 3)"""
+    scale: float
+    shift: Array
+    """(2,)"""
+
+    def __call__(self, places: Array) -> Array:
+        """(..., 2) patch units of points (..., 3) of the resting face."""
+        return np.asarray(self.scale * places @ self.rotation[:2].T + self.shift)
+
+
+RESTING = Pose(np.eye(3), 1.0, np.zeros(2))
+
+
+def fit_pose(rest: Array, seen: Array, start: Pose) -> Pose:
+    """The pose that brings ``rest`` (N, 3) onto ``seen`` (N, 2): least squares with Cauchy
+    weights, from ``start`` on."""
+    rotation, scale, shift = _fit(rest, seen, start.rotation, start.scale, start.shift)
+    return Pose(rotation, scale, shift)
+
+
+@njit(cache=True, nogil=True)
+def _fit(
+    rest: Array, seen: Array, rotation: Array, scale: float, shift: Array
+) -> tuple[Array, float, Array]:
+    turn, move, size = rotation.copy(), shift.copy(), scale
+    row, column = np.zeros(6), np.zeros(6)
+    row[4], column[5] = 1.0, 1.0
+    total = np.zeros(3)
+    for _ in range(_ROUNDS):
+        normal, right = np.zeros((6, 6)), np.zeros(6)
+        for n in range(len(rest)):
+            x = turn[0, 0] * rest[n, 0] + turn[0, 1] * rest[n, 1] + turn[0, 2] * rest[n, 2]
+            y = turn[1, 0] * rest[n, 0] + turn[1, 1] * rest[n, 1] + turn[1, 2] * rest[n, 2]
+            z = turn[2, 0] * rest[n, 0] + turn[2, 1] * rest[n, 1] + turn[2, 2] * rest[n, 2]
+            miss_x = seen[n, 0] - size * x - move[0]
+            miss_y = seen[n, 1] - size * y - move[1]
+            trust = 1.0 / (1.0 + (miss_x**2 + miss_y**2) / _KNEE**2)
+            row[0], row[1], row[2], row[3] = 0.0, size * z, -size * y, x
+            column[0], column[1], column[2], column[3] = -size * z, 0.0, size * x, y
+            for i in range(6):
+                right[i] += trust * (row[i] * miss_x + column[i] * miss_y)
+                for j in range(6):
+                    normal[i, j] += trust * (row[i] * row[j] + column[i] * column[j])
+        for i in range(2):
+            normal[i, i] += _STIFFNESS
+            right[i] -= _STIFFNESS * total[i]
+        step = np.linalg.solve(normal, right)
+        total += step[:3]
+        turn = _rotation(step[:3]) @ turn
+        size += step[3]
+        move += step[4:]
+    return turn, size, move
+
+
+@njit(cache=True, nogil=True)
+def _rotation(vector: Array) -> Array:
+    """Rodrigues."""
+    angle = max(np.sqrt((vector**2).sum()), 1e-12)
+    x, y, z = vector / angle
+    c, s = np.cos(angle), np.sin(angle)
+    d = 1.0 - c
+    return np.array(
+        [
+            [c + x * x * d, x * y * d - z * s, x * z * d + y * s],
+            [y * x * d + z * s, c + y * y * d, y * z * d - x * s],
+            [z * x * d - y * s, z * y * d + x * s, c + z * z * d],
+        ]
+    )
