@@ -10,13 +10,14 @@ import traceback
 from collections.abc import Sequence
 from importlib import metadata
 
-from mien.cli import animate, capture, character, demo, doctor, interruption
+from mien.cli import animate, capture, character, demo, doctor, interruption, live
 from mien.cli.command import Command
 from mien.errors import MienError
 
 COMMANDS: dict[str, Command] = {
     "animate": animate,
     "capture": capture,
+    "live": live,
     "character": character,
     "demo": demo,
     "doctor": doctor,

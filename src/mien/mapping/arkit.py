@@ -30,17 +30,30 @@ def arkit_weights(performance: Performance, generic: Character) -> Array:
     """
     if performance.vocabulary == "arkit":
         return performance.shapes
-    spoken = names()
-    driven = tuple(n for n in spoken if n not in _UNSEEN and not n.startswith(_APART))
-    mapper = JointMapper(replace(generic, examples=driven), performance)
-    weights = np.zeros((len(performance), len(spoken)))
-    weights[:, [spoken.index(name) for name in driven]] = mapper.key_weights(performance)
-    for eye, (side, inward) in enumerate((("Left", -1.0), ("Right", 1.0))):
-        yaw, pitch = np.moveaxis(performance.gaze[:, eye] / _LOOK, -1, 0)
-        looks = {"In": inward * yaw, "Out": -inward * yaw, "Up": pitch, "Down": -pitch}
-        for way, level in looks.items():
-            weights[:, spoken.index(f"eyeLook{way}{side}")] = level
-        lid = performance.scalars.get(f"lid_{side.lower()}")
-        if lid is not None:
-            weights[:, spoken.index(f"eyeBlink{side}")] = lid
-    return np.clip(weights, 0.0, 1.0)
+    return ArkitMapper(generic, performance)(performance)
+
+
+class ArkitMapper:
+    """ARKit's weights of one performer, frame by frame or many at once."""
+
+    def __init__(self, generic: Character, header: Performance) -> None:
+        """``header`` is any performance of the performer. Raises InputError where it shows too
+        little of a face."""
+        self._spoken = names()
+        driven = tuple(n for n in self._spoken if n not in _UNSEEN and not n.startswith(_APART))
+        self._columns = [self._spoken.index(name) for name in driven]
+        self._mapper = JointMapper(replace(generic, examples=driven), header)
+
+    def __call__(self, performance: Performance) -> Array:
+        """(F, 52) weights 0..1 in arkit52 order."""
+        weights = np.zeros((len(performance), len(self._spoken)))
+        weights[:, self._columns] = self._mapper.key_weights(performance)
+        for eye, (side, inward) in enumerate((("Left", -1.0), ("Right", 1.0))):
+            yaw, pitch = np.moveaxis(performance.gaze[:, eye] / _LOOK, -1, 0)
+            looks = {"In": inward * yaw, "Out": -inward * yaw, "Up": pitch, "Down": -pitch}
+            for way, level in looks.items():
+                weights[:, self._spoken.index(f"eyeLook{way}{side}")] = level
+            lid = performance.scalars.get(f"lid_{side.lower()}")
+            if lid is not None:
+                weights[:, self._spoken.index(f"eyeBlink{side}")] = lid
+        return np.clip(weights, 0.0, 1.0)

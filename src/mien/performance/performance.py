@@ -3,12 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+
+_PER_FRAME = (
+    "time",
+    "motion",
+    "rotation",
+    "translation",
+    "gaze",
+    "confidence",
+    "lost",
+    "unseen",
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,6 +84,16 @@ class Performance:
 
     def __len__(self) -> int:
         return len(self.time)
+
+    def __getitem__(self, part: slice) -> Performance:
+        """The frames of ``part``, at their own times."""
+        each = {name: getattr(self, name)[part] for name in _PER_FRAME}
+        return replace(
+            self,
+            **each,
+            scalars={name: values[part] for name, values in self.scalars.items()},
+            shapes=self.shapes[part],
+        )
 
     def head(self) -> tuple[Array, Array]:
         """Head rotation (F, 3, 3) and translation (F, 3) relative to the neutral pose: what a

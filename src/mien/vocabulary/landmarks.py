@@ -25,6 +25,17 @@ UPPER_LID = ((386, 385, 387), (159, 158, 160))
 LOWER_LID = ((374, 380, 373), (145, 153, 144))
 """Three points along each margin, of the left and the right eye; partners have the same place."""
 
+IBUG = (
+    162, 234, 93, 58, 172, 136, 149, 148, 152, 377, 378, 365, 397, 288, 323, 454, 389,
+    71, 63, 105, 66, 107, 336, 296, 334, 293, 301,
+    168, 197, 5, 4, 75, 97, 2, 326, 305,
+    33, 160, 158, 133, 153, 144, 362, 385, 387, 263, 373, 380,
+    61, 39, 37, 0, 267, 269, 291, 405, 314, 17, 84, 181,
+    78, 82, 13, 312, 308, 317, 14, 87,
+)  # fmt: skip
+"""The landmark nearest to each of iBUG's sixty-eight points: jaw from the subject's right ear,
+brows, nose, eyes, outer and inner lips."""
+
 _SLIDING = frozenset(
     ("2.11", "2.12", "2.13", "2.14", "10.7", "10.8", "10.9", "10.10", "11.1", "11.2", "11.3")
 )

@@ -1,0 +1,1 @@
+"""Live: the performer moves and the characters follow, now."""
