@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from actors import built_in
-from mien.face.character import Character
+from mien.face.character import BLINKS, Character
 from mien.face.library import CHARACTERS
-from mien.face.pieces import BLINKS, Pieces, region_masks, shares, side_masks, split
+from mien.face.pieces import Pieces, region_masks, shares, side_masks, split
 
 
 @pytest.fixture(params=CHARACTERS, scope="module")

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mien.face.face import Array, Face
+from mien.face.origin import Origin
+
+BLINKS = frozenset({"blink", "blink_left", "blink_right"})
+"""What mien's own characters call the key models that shut eyes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,6 +40,16 @@ class Character:
     keys: KeyModels
     examples: tuple[str, ...]
     """Names of the key models that are the mapping's target examples [B] §4 (the thirteen)."""
+    whole: bool = False
+    """Its examples are driven as they are and not in pieces: somebody's file has no others."""
+    blinks: frozenset[str] = BLINKS
+    """Key models that shut eyes: they split into sides but not into regions, for a lid is one."""
+    meanings: Mapping[str, str] = field(default_factory=dict)
+    """Key models that stand for a key model of the generic face, whatever they move."""
+    speaks: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+    """Vocabularies such as "arkit": its names, and the key models that answer to them."""
+    origin: Origin | None = None
+    """The file it was imported from, where that can be animated as it is."""
 
     def surface(self, weights: Array) -> Array:
         """Vertices (V, 3) at key-model ``weights`` (K,): neutral plus the weighted sum of

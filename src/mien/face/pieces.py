@@ -20,8 +20,6 @@ REGIONS = ("brow", "eyes", "mouth")
 SIDES = ("L", "R")
 WHOLE = frozenset({"jaw_open"})
 """Key models that no face does in parts: there is one jaw."""
-BLINKS = frozenset({"blink", "blink_left", "blink_right"})
-"""Key models that shut eyes: they split into sides but not into regions, for a lid is one."""
 
 Cells = NDArray[np.bool_]
 
@@ -40,6 +38,8 @@ _VISIBLE = 1.2
 """mm on that face: a piece whose skin nowhere moves as far is not worth a morph target, and its
 share goes to the strongest piece. (Not a share of the summed motion: a falling jaw moves so much
 skin that the brows of the same surprise would count for nothing.)"""
+_ONE_SIDED = 0.8
+"""Part of its motion that a whole key model has on one side, to belong to it."""
 _TWIN = 0.8
 """A piece may be this much weaker where its partner on the other side is kept, lest a face that
 is symmetric but for rounding loses one of the two."""
@@ -135,6 +135,8 @@ def split(character: Character) -> Pieces:
     Everything that drives, draws or writes a character asks for its pieces, so they are kept: do
     not write into them.
     """
+    if character.whole:
+        return _whole(character)
     face = character.face
     regions, sides = region_masks(face, face.vertices), side_masks(face, face.vertices)
     for part in face.parts:
@@ -152,7 +154,7 @@ def split(character: Character) -> Pieces:
         key = character.keys.names.index(name)
         moved = character.keys.displacements[key]
         peak = (regions[:, None] * sides[None] * np.linalg.norm(moved, axis=-1)).max(axis=-1)
-        found = _gather(peak, visible, name)
+        found = _gather(peak, visible, name, name in character.blinks)
         mask = shares(np.stack([gathered for _, _, gathered in found]), regions, sides)
         fields.append(mask.astype(np.float32)[..., None] * moved)
         cells.extend(gathered for _, _, gathered in found)
@@ -170,13 +172,33 @@ def split(character: Character) -> Pieces:
     )
 
 
+def _whole(character: Character) -> Pieces:
+    """The examples unsplit, each with the region and the side in which its feature points move."""
+    face, names = character.face, character.examples
+    rows = [character.keys.names.index(name) for name in names]
+    places = face.points.at(face.vertices)
+    regions, sides = region_masks(face, places), side_masks(face, places)
+    fields = character.keys.displacements[rows]
+    effort = np.linalg.norm(face.points.at(fields), axis=-1) ** 2
+    regional, sided = effort @ regions.T, effort @ sides.T
+    left = sided[:, 0] / np.maximum(sided.sum(axis=1), 1e-12)
+    return Pieces(
+        names=names,
+        key=np.array(rows, dtype=np.intp),
+        region=regional.argmax(axis=1),
+        side=np.select([left > _ONE_SIDED, left < 1.0 - _ONE_SIDED], [0, 1], -1),
+        cells=np.ones((len(names), len(REGIONS), len(SIDES)), dtype=bool),
+        displacements=fields,
+    )
+
+
 def _ramp(distance: Array, width: Array | float) -> Array:
     """0 below -width/2, 1 above width/2, smooth between."""
     t = np.clip(distance / width + 0.5, 0.0, 1.0)
     return t * t * (3.0 - 2.0 * t)
 
 
-def _gather(peak: Array, visible: float, name: str) -> list[tuple[int, int, Cells]]:
+def _gather(peak: Array, visible: float, name: str, blink: bool) -> list[tuple[int, int, Cells]]:
     """Which pieces a key model falls into: region, side (-1 both) and cells (3, 2) of each, from
     the furthest motion ``peak`` (3, 2) in every cell. Weak cells join the strongest piece of their
     side."""
@@ -184,7 +206,7 @@ def _gather(peak: Array, visible: float, name: str) -> list[tuple[int, int, Cell
     if name in WHOLE:
         return [(int(top_region), -1, np.ones(peak.shape, dtype=bool))]
     kept = (peak >= visible) | ((peak >= _TWIN * visible) & (peak[:, ::-1] >= visible))
-    if name in BLINKS:
+    if blink:
         kept[np.arange(len(peak)) != top_region] = False
     kept[top_region, top_side] = True
     cells = {(int(r), int(s)): np.zeros(peak.shape, dtype=bool) for r, s in np.argwhere(kept)}

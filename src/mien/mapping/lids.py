@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from mien.face.character import Character
 from mien.face.face import Face
-from mien.face.pieces import BLINKS, REGIONS, Pieces
+from mien.face.pieces import REGIONS, Pieces
 
 Array = NDArray[np.float64]
 
@@ -67,7 +67,7 @@ def find_lids(character: Character, pieces: Pieces) -> Lids | None:
     face = character.face
     if any(fdp not in face.points.ids for margins in MARGINS for fdp in margins):
         return None
-    is_blink = np.array([character.keys.names[key] in BLINKS for key in pieces.key])
+    is_blink = np.array([character.keys.names[key] in character.blinks for key in pieces.key])
     blink = np.stack([is_blink & (pieces.side == side) for side in (0, 1)])
     moved, rest = face.points.at(pieces.displacements), face.points.at(face.vertices)
     effect = np.stack([_height(face, moved, upper, lower) for upper, lower in MARGINS])

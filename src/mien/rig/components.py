@@ -1,0 +1,71 @@
+"""Connected parts of a model, and which of them are eyeballs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+from scipy.sparse.csgraph import connected_components
+
+from mien.face.face import Array, Ints
+
+_ROUND = 0.12
+"""Part of its radius by which an eyeball's vertices may lie off a sphere."""
+_REACH = 0.8
+"""Widths of an eye within which the middle of its ball lies from the middle of its lids."""
+_SIZES = (0.3, 2.0)
+"""Radius of an eyeball in widths of its eye."""
+_FEWEST = 12
+
+
+@dataclass(frozen=True, slots=True)
+class Ball:
+    """An eyeball: what turns together."""
+
+    vertices: NDArray[np.bool_]
+    """(V,)"""
+    centre: Array
+    """(3,)"""
+
+
+def components(vertices: Array, triangles: Ints) -> NDArray[np.intp]:
+    """(V,) number of the connected part of each vertex; vertices at one place are one."""
+    _, welded = np.unique(vertices, axis=0, return_inverse=True)
+    corners = welded.ravel()[triangles]
+    edges = np.concatenate([corners[:, [0, 1]], corners[:, [1, 2]]])
+    count = int(welded.max()) + 1
+    graph = sparse.coo_matrix((np.ones(len(edges)), edges.T), (count, count))
+    return np.asarray(connected_components(graph, directed=False)[1][welded.ravel()])
+
+
+def find_ball(vertices: Array, part: NDArray[np.intp], lids: Array) -> Ball | None:
+    """The eyeball behind ``lids`` (4, 3): outer and inner corner, upper and lower lid. All round
+    parts about the same middle belong to it (iris, cornea). None where there is none."""
+    middle, width = lids.mean(axis=0), float(np.linalg.norm(lids[0] - lids[1]))
+    near = np.linalg.norm(vertices - middle, axis=1) < 2.0 * width
+    found: list[tuple[float, Array, int]] = []
+    for number in np.unique(part[near]):
+        own = part == number
+        if own.sum() < _FEWEST:
+            continue
+        centre, radius, off = _sphere(vertices[own])
+        here = np.linalg.norm((centre - middle)[:2]) < _REACH * width
+        if here and _SIZES[0] < radius / width < _SIZES[1] and off < _ROUND * radius:
+            found.append((radius, centre, int(number)))
+    if not found:
+        return None
+    centre = max(found, key=lambda ball: ball[0])[1]
+    return Ball(np.isin(part, [number for _, _, number in found]), centre)
+
+
+def _sphere(places: Array) -> tuple[Array, float, float]:
+    """Centre, radius and root mean square distance of the sphere through ``places`` (N, 3)."""
+    origin = places.mean(axis=0)
+    local = places - origin
+    system = np.concatenate([2.0 * local, np.ones((len(local), 1))], axis=1)
+    found = np.linalg.lstsq(system, (local**2).sum(axis=1), rcond=None)[0]
+    radius = float(np.sqrt(max(found[3] + found[:3] @ found[:3], 0.0)))
+    off = np.linalg.norm(local - found[:3], axis=1) - radius
+    return origin + found[:3], radius, float(np.sqrt((off**2).mean()))
