@@ -19,12 +19,13 @@ from mien.face import fap_parts
 from mien.face.character import Character, KeyModels
 from mien.face.face import Array, Face
 from mien.face.fap_lids import lids
+from mien.face.fap_lips import OUTER_LIPS, hang_lining
 from mien.face.fap_skin import CHIN, Skin, skin
 from mien.face.influence import LIPS, Mask
 from mien.vocabulary.fap import PER_UNIT, column, faps, names, simple
 from mien.vocabulary.fapu import Fapu, measure
 
-NEEDED = (CHIN, *LIPS, "8.1", "8.2", "8.3", "8.4", "8.5", "8.6", "8.7", "8.8", "9.15")
+NEEDED = (CHIN, *LIPS, *OUTER_LIPS, "9.15")
 """Points without which a face cannot be driven by FAPs."""
 LIDS = (19, 20, 21, 22)
 """FAPs of the upper lids, left and right, then the lower."""
@@ -107,21 +108,16 @@ def _lids(face: Face) -> tuple[Mask, dict[int, tuple[Array, Array]]]:
 
 def _move_jaw(face: Face, body: Skin, fields: Array) -> None:
     """Skin goes where the chin goes; bone turns; the mouth's lining hangs between lips and bone."""
-    chin = face.point(CHIN)
-    motion = fap_parts.jaw_motion(face, chin)
-    bone = fap_parts.on_lower_jaw(face)
-    hung = (body.floor * (1.0 - body.rim_share))[body.lining]
+    motion = fap_parts.jaw_motion(face, face.point(CHIN))
+    carried = fap_parts.on_lower_jaw(face)
+    bone = np.zeros_like(fields)
     for axis in range(3):
         for number in _along(CHIN, axis):
-            sign = faps()[number].sign
-            field = fields[column(number)]
-            field[:, axis] = sign * body.jaw[axis] * motion[axis, :, axis]
-            field[bone] = sign * motion[axis, bone]
-            field[body.lining] += sign * hung[:, None] * motion[axis, body.lining]
-    rim, weight = body.rim_near
-    share = body.rim_share[body.lining]
-    followed = np.einsum("nvkx,vk->nvx", fields[:, rim], weight)
-    fields[:, body.lining] += share[:, None] * followed
+            moved = faps()[number].sign * motion[axis]
+            bone[column(number)] = moved
+            fields[column(number), :, axis] = body.jaw[axis] * moved[:, axis]
+            fields[column(number), carried] = moved[carried]
+    hang_lining(face, body.mouth, body.lining, fields, bone)
 
 
 def _move_tongue(face: Face, fields: Array) -> None:

@@ -16,7 +16,7 @@ import numpy as np
 from mien.face.face import Array, Face
 from mien.face.influence import LIDS, Index, Mask, opening, part_of
 
-_SHARE_ENDS = 1.5
+_SHARE_ENDS = 2.2
 """Heights of the fold above the margin at which skin no longer follows a lid."""
 _DEEPEST = 0.5
 """mm nearer to the eyeball's middle than the margin's points lies what is behind the lid."""
@@ -72,21 +72,29 @@ def lids(face: Face, side: int) -> Lids | None:
     fold_below = _fold(face, ("3.9", "3.10")[side], bottom, middle)
     near = on_skin & between & (height < upper + fold_above) & (height > lower - fold_below)
     return Lids(
-        _lid(face, ball, -reach * high * _share(height - upper, fold_above, hole.inside)),
-        _lid(face, ball, reach * low * _share(lower - height, fold_below, hole.inside)),
+        _lid(face, ball, top, -reach * high * _share(height - upper, fold_above, hole.inside)),
+        _lid(face, ball, bottom, reach * low * _share(lower - height, fold_below, hole.inside)),
         near & (np.linalg.norm(face.vertices - ball, axis=1) < _BAND * depth),
     )
 
 
-def _lid(face: Face, ball: Array, rise: Array) -> Lid:
-    """A lid whose vertices move up by ``rise`` (V,) and keep their distance from ``ball``."""
-    motion = np.zeros_like(face.vertices)
+def _lid(face: Face, ball: Array, point: str, rise: Array) -> Lid:
+    """A lid whose vertices move up by ``rise`` (V,) and keep their distance from ``ball``, except
+    that its ``point`` ends straight above or below where it began, as its FAP demands."""
+    motion, slide = np.zeros((2, *face.vertices.shape))
     motion[:, 1] = rise
-    slide = np.zeros_like(motion)
-    ray = face.vertices - ball
-    ahead = ray[:, 2] ** 2 + ray[:, 1] ** 2 - (ray[:, 1] + rise / 2.0) ** 2
-    slide[:, 2] = np.where(rise != 0.0, np.sqrt(np.maximum(ahead, 0.0)) - ray[:, 2], 0.0)
+    motion[:, 2] = _forward(face.vertices - ball, rise)
+    off = face.points.at(motion)[face.points.index([point])[0]]
+    motion[:, 2] -= off[2] / off[1] * rise
+    slide[:, 2] = _forward(face.vertices - ball, rise / 2.0) - motion[:, 2] / 2.0
     return Lid(motion, slide)
+
+
+def _forward(ray: Array, rise: Array) -> Array:
+    """(V,) how much farther forward a vertex at ``ray`` (V, 3) from the eyeball's middle lies
+    after it has slid up by ``rise`` (V,)."""
+    ahead = (ray[:, 1:] ** 2).sum(axis=1) - (ray[:, 1] + rise) ** 2
+    return np.where(rise != 0.0, np.sqrt(np.maximum(ahead, 0.0)) - ray[:, 2], 0.0)
 
 
 def _share(height: Array, fold: float, inside: Mask) -> Array:

@@ -52,9 +52,11 @@ class Surface:
         points: FeaturePoints,
         reach: float,
         held: Mask | None = None,
+        sewn: sparse.csr_matrix | None = None,
     ) -> None:
         """``vertices`` (V, 3) mm of which those in ``triangles`` (T, 3) count, ``points`` on
-        them; influence fades over ``reach`` mm where no point stops it; ``held`` (V,) stay."""
+        them; influence fades over ``reach`` mm where no point stops it; ``held`` (V,) stay;
+        ``sewn`` (N, V) is kept at zero."""
         self._count = len(vertices)
         self._used, local = np.unique(triangles, return_inverse=True)
         laplacian, mass = _laplacian(vertices[self._used], local.reshape(-1, 3))
@@ -63,6 +65,9 @@ class Surface:
             firm = firm + _FIRM * mass * held[self._used]
         system = laplacian.T @ sparse.diags(1.0 / mass) @ laplacian + sparse.diags(firm)
         system += laplacian / (_TAUT * reach) ** 2
+        if sewn is not None:
+            seam = sewn[:, self._used]
+            system += _FIRM * float(mass.mean()) * seam.T @ seam
         on = np.asarray(np.isin(points.vertices, self._used).all(axis=1))
         self.ids = tuple(fdp for fdp, here in zip(points.ids, on, strict=True) if here)
         rows = np.repeat(np.arange(len(self.ids)), 3)
