@@ -346,6 +346,7 @@ def _decoded(content: bytes) -> NDArray[np.uint8] | None:
     """(H, W, 3), or None for what is no picture or too large."""
     try:
         with warnings.catch_warnings(), Image.open(io.BytesIO(content)) as picture:
+            warnings.simplefilter("ignore")
             warnings.simplefilter("error", Image.DecompressionBombWarning)
             if max(picture.size) > _MAX_PICTURE:
                 return None
@@ -365,4 +366,4 @@ def _sampled(picture: NDArray[np.uint8], uv: Array, texture: Json) -> Array:
     column = np.clip(np.floor(uv[:, 0] % 1.0 * width), 0, width - 1).astype(int)
     row = np.clip(np.floor(uv[:, 1] % 1.0 * height), 0, height - 1).astype(int)
     value = picture[row, column] / 255.0
-    return np.where(value <= 0.04045, value / 12.92, ((value + 0.055) / 1.055) ** 2.4)
+    return np.asarray(np.where(value <= 0.04045, value / 12.92, ((value + 0.055) / 1.055) ** 2.4))

@@ -23,7 +23,7 @@ MARGINS = (("3.1", "3.3"), ("3.2", "3.4"))
 SIDES = ("left", "right", "both")
 _NOT_SKIN = frozenset({"3.5", "3.6", "7.1"})
 _STILL = 0.6
-"""mm, on a face of the generic one's size: what moves no feature point as far does nothing there."""
+"""mm, on a face of the generic one's size: what moves no feature point as far is still."""
 _ONE_SIDED = 0.8
 """Part of its motion that a shape has on one side, to belong to it."""
 _SHUTS = 0.5

@@ -42,7 +42,8 @@ class Upright:
         return np.diag([self.facing, 1.0, self.facing]).astype(float)
 
     def __call__(self, places: Array) -> Array:
-        return (places - np.array([self.middle, 0.0, 0.0])) @ self.turn.T * self.scale
+        away = places - np.array([self.middle, 0.0, 0.0])
+        return np.asarray(away @ self.turn.T * self.scale)
 
 
 def build(model: Model, picks: Picks, unit: float | None) -> Character:
@@ -142,7 +143,7 @@ def _skin(vertices: Array, triangles: Ints, part: NDArray[np.intp], picks: Picks
     places = {name: place for name, place in picks.items() if name not in ("3.5", "3.6")}
     on = on_surface(places, vertices, triangles)
     most = np.bincount(part[on.vertices[:, 0]]).argmax()
-    return triangles[part[triangles[:, 0]] == most]
+    return np.asarray(triangles[part[triangles[:, 0]] == most])
 
 
 def _parts(
@@ -153,7 +154,7 @@ def _parts(
     count = len(part)
     owner = np.empty(count, dtype=np.intp)
     first = np.cumsum([0, *(len(p.vertices) for p in model.parts)])
-    for number, piece in enumerate(model.parts):
+    for number in range(len(model.parts)):
         owner[first[number] : first[number + 1]] = number
     kinds = [(_safe(piece.name), "other", "head") for piece in model.parts]
     on_skin = np.zeros(count, dtype=bool)

@@ -21,8 +21,10 @@ _HARD = frozenset({"9.8", "9.9", "9.10", "9.11"})
 _PUPILS = ("3.5", "3.6")
 LIDS = (("3.7", "3.11", "3.1", "3.3"), ("3.12", "3.8", "3.2", "3.4"))
 """Outer and inner corner, upper and lower margin of the left and right eye."""
-_QUARTERS = (("2.6", "8.5", "2.2", "8.1"), ("2.7", "8.6", "2.2", "8.1"))
-_QUARTERS += (("2.8", "8.7", "2.3", "8.2"), ("2.9", "8.8", "2.3", "8.2"))
+_QUARTERS = (
+    *(("2.6", "8.5", "2.2", "8.1"), ("2.7", "8.6", "2.2", "8.1")),
+    *(("2.8", "8.7", "2.3", "8.2"), ("2.9", "8.8", "2.3", "8.2")),
+)
 """Inner and outer lip half-way to the corner, inner and outer lip in the middle."""
 _TAPER = 0.7
 """Thickness of a lip half-way to the corner, of that in the middle."""
@@ -83,10 +85,8 @@ def with_pupils(
         return points
     own = triangles[balls[triangles].all(axis=1)]
     rows, at = points.index(_PUPILS), points.at(vertices)
-    middles = {
-        p: at[points.index(lids)].mean(axis=0) for p, lids in zip(_PUPILS, LIDS, strict=True)
-    }
-    front = on_surface(middles, vertices, own)
+    middles = [at[points.index(lids)].mean(axis=0) for lids in LIDS]
+    front = on_surface(dict(zip(_PUPILS, middles, strict=True)), vertices, own)
     corners, weights = points.vertices.copy(), points.weights.copy()
     corners[rows], weights[rows] = front.vertices, front.weights
     return FeaturePoints(points.ids, corners, weights)
