@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from math import inf
 from pathlib import Path
 from typing import TypeVar
 
 from mien.capture import CAPTURES, CaptureSettings
 from mien.capture.fap import motion_from_faps, perform
+from mien.capture.markers.perform import MarkerSettings, Mended
+from mien.capture.markers.perform import perform as perform_markers
 from mien.capture.shapes import motion_from_shapes
 from mien.errors import InputError, NoFaceError
 from mien.face.character import Character
@@ -15,6 +18,7 @@ from mien.face.library import generic_face, load_character
 from mien.formats.fap import read_take, simple_take, write_take
 from mien.formats.lens import read_focal
 from mien.formats.livelink import read_livelink, write_livelink
+from mien.formats.marker_file import holds_markers, read_markers, read_roles
 from mien.formats.mien_file import read_performance, write_performance
 from mien.formats.mp4 import Sound, write_mp4
 from mien.formats.sources import open_source
@@ -79,13 +83,16 @@ def capture(
 ) -> Performance:
     """What the performer in a recording did.
 
-    ``path`` names a video, a folder of images or "camera:0"; ``start`` and ``end`` cut it, in
-    seconds; ``mirror`` undoes a selfie's flip; ``rate`` is frames a second of a folder of images
-    (30); ``neutral`` (first, last) names the seconds in which the face rests (found otherwise);
-    ``focal`` is the camera's focal length in pixels, or a camera file that says it. ``progress``
-    is called with frames done and frames expected (None: unknown).
+    ``path`` names a video, a folder of images, "camera:0", or a marker take (see
+    ``capture_markers``); ``start`` and ``end`` cut it, in seconds; ``mirror`` undoes a selfie's
+    flip; ``rate`` is frames a second of a folder of images (30); ``neutral`` (first, last) names
+    the seconds in which the face rests (found otherwise); ``focal`` is the camera's focal length
+    in pixels, or a camera file that says it. ``progress`` is called with frames done and frames
+    expected (None: unknown).
     Raises InputError, FormatError, NoFaceError, MissingExtraError.
     """
+    if holds_markers(path):
+        return capture_markers(path, start=start, end=end, neutral=neutral)[0]
     way = _choose(CAPTURES, method, "capture")
     source = open_source(path, start, end, mirror, rate)
     count = source.count
@@ -96,6 +103,32 @@ def capture(
         )
     except NoFaceError as error:
         raise NoFaceError(f"{source.name}: {error}") from error
+
+
+def capture_markers(
+    path: str | Path,
+    *,
+    units: str | None = None,
+    labels: str | Path | None = None,
+    nose_tip: bool = False,
+    start: float | None = None,
+    end: float | None = None,
+    neutral: tuple[float, float] | None = None,
+) -> tuple[Performance, Mended]:
+    """What a performer wearing optical markers did, and what was mended in the take.
+
+    ``path`` names a .c3d; ``units`` of its numbers ("mm", "m" ...) where it does not name them;
+    ``labels`` is a file with lines "LABEL,8.3", "LABEL,jig" or "LABEL,-" for markers that names do
+    not tell; ``nose_tip`` undoes the head's motion as [Z] §3 has it; ``start``, ``end`` and
+    ``neutral`` in seconds as for ``capture``. Raises InputError, FormatError.
+    """
+    take = read_markers(path, units)
+    if start is not None or end is not None:
+        take = take.cut(start or 0.0, inf if end is None else end)
+    if not len(take):
+        raise InputError(f"{path}: has no frames from --start to --end")
+    roles = read_roles(labels) if labels else None
+    return perform_markers(take, generic_face().face, MarkerSettings(neutral, roles, nose_tip))
 
 
 def load_performance(path: str | Path) -> Performance:

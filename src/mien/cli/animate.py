@@ -86,7 +86,7 @@ def run(options: argparse.Namespace) -> None:
     names = [file for files in plan.files for file in files] + [plan.preview or "."]
     spare(options.take, (plan.folder / name for name in names))
     with results(plan.folder) as claim:
-        performance = performance_of(options)
+        performance, account = performance_of(options)
         acts: list[tuple[Character, Curves]] = []
         written: list[Path] = []
         for character, files in zip(characters, plan.files, strict=True):
@@ -99,7 +99,7 @@ def run(options: argparse.Namespace) -> None:
         if plan.preview:
             written.append(claim(plan.preview))
             _film(options, acts, written[-1])
-    summary = summarize(performance)
+    summary = summarize(performance) | account
     tell(
         options,
         {
@@ -166,14 +166,15 @@ def _act(options: argparse.Namespace, performance: Performance, character: Chara
 
 
 def _film(options: argparse.Namespace, acts: list[tuple[Character, Curves]], path: Path) -> None:
+    from mien.formats.marker_file import holds_markers
     from mien.recipe import READERS, film
 
-    captured_before = Path(options.take).suffix.lower() in READERS
+    no_pictures = Path(options.take).suffix.lower() in READERS or holds_markers(options.take)
     with progress("drawing the preview") as told:
         film(
             acts,
             path,
-            take=None if captured_before else options.take,
+            take=None if no_pictures else options.take,
             start=options.start,
             end=options.end,
             mirror=options.mirror,

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from mien.cli.command import not_negative, positive, remark, span, tell
+from mien.cli.markers import add_marker_options, describe_markers, performance_of_markers
 from mien.cli.progress import progress
 from mien.cli.results import results, spare
 from mien.errors import InputError
@@ -15,8 +16,8 @@ if TYPE_CHECKING:
     from mien.performance.performance import Performance
 
 TAKES = (
-    "a video, a folder of images, camera:0 (with --end), a .mien file, a Live Link Face .csv or an "
-    "MPEG-4 .fap"
+    "a video, a folder of images, camera:0 (with --end), markers (.c3d), a .mien file, a Live Link "
+    "Face .csv or an MPEG-4 .fap"
 )
 CUT_OPTIONS = ("start", "end", "mirror", "rate", "neutral", "focal")
 """Options that say how a recording is looked at."""
@@ -70,6 +71,7 @@ def add_cut_options(parser: argparse.ArgumentParser) -> None:
         help="focal length of the camera, or a file that says it: focal = 700, width = 640 "
         "(default: a usual one)",
     )
+    add_marker_options(parser)
 
 
 def focal(text: str) -> float | str:
@@ -85,9 +87,9 @@ def run(options: argparse.Namespace) -> None:
         raise InputError(f"-o {output}: a performance is kept as {' or '.join(WRITERS)}")
     spare(options.take, [output])
     with results(output.parent) as claim:
-        performance = performance_of(options)
+        performance, account = performance_of(options)
         save_performance(performance, claim(output.name))
-    summary = summarize(performance)
+    summary = summarize(performance) | account
     tell(
         options,
         {"take": options.take, **summary, "files": [str(output)]},
@@ -96,18 +98,22 @@ def run(options: argparse.Namespace) -> None:
     )
 
 
-def performance_of(options: argparse.Namespace) -> Performance:
-    """Capture the take as the options say; one that is captured already is only read."""
+def performance_of(options: argparse.Namespace) -> tuple[Performance, dict[str, Any]]:
+    """Capture the take as the options say, or only read one that is captured already; and what is
+    to be told of how it was captured."""
+    from mien.formats.marker_file import holds_markers
     from mien.recipe import READERS, capture, load_performance
 
+    if holds_markers(options.take):
+        return performance_of_markers(options)
     if Path(options.take).suffix.lower() in READERS:
         for name in CUT_OPTIONS:
             if getattr(options, name):
                 raise InputError(f"--{name}: {options.take} was captured before; it stays as it is")
-        return load_performance(options.take)
+        return load_performance(options.take), {}
     remark(options, f"following the face in {options.take}")
     with progress("following the face") as told:
-        return capture(
+        performance = capture(
             options.take,
             method=options.capture,
             start=options.start,
@@ -118,6 +124,7 @@ def performance_of(options: argparse.Namespace) -> Performance:
             focal=options.focal,
             progress=told,
         )
+    return performance, {}
 
 
 def take_name(take: str) -> str:
@@ -127,7 +134,7 @@ def take_name(take: str) -> str:
     return Path(take).resolve().stem
 
 
-def summarize(performance: Performance) -> dict[str, float]:
+def summarize(performance: Performance) -> dict[str, Any]:
     """Facts of a take for --json."""
     return {
         "frames": len(performance),
@@ -136,8 +143,11 @@ def summarize(performance: Performance) -> dict[str, float]:
     }
 
 
-def describe(summary: dict[str, float]) -> str:
+def describe(summary: dict[str, Any]) -> str:
     """The same in words."""
     lost = summary["lost_frames"]
     seen = f"no face in {lost} of them" if lost else "a face in all of them"
-    return f"{summary['frames']} frames, {summary['seconds']:.2f} s, {seen}"
+    length = f"{summary['frames']} frames, {summary['seconds']:.2f} s, {seen}"
+    if "markers" not in summary:
+        return length
+    return f"{length}; {describe_markers(summary['markers'])}"

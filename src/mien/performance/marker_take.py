@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,3 +37,10 @@ class MarkerTake:
     def seen(self) -> NDArray[np.bool_]:
         """(F, M)"""
         return np.isfinite(self.places[..., 0])
+
+    def cut(self, start: float, end: float) -> MarkerTake:
+        """The frames from ``start`` to ``end`` seconds; time begins anew. Empty where the take
+        has none."""
+        kept = (self.time >= start - 1e-6) & (self.time <= end + 1e-6)
+        time = self.time[kept]
+        return replace(self, time=time - time[:1], places=self.places[kept])
