@@ -1,31 +1,17 @@
 """Frames or markers become a Performance. One entry in CAPTURES for each way of looking."""
 
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable
 from typing import Protocol
 
 from mien.capture.detector import follow
 from mien.capture.landmarks import calibrate, perform
 from mien.capture.neutral import ground
+from mien.capture.settings import CaptureSettings, Progress
 from mien.capture.snakes.capture import snakes
+from mien.capture.tracker.capture import tracker
 from mien.face.library import generic_face
 from mien.performance.frame import Frame
 from mien.performance.performance import Performance
-from mien.performance.trace import Trace
-
-Progress = Callable[[int], None]
-
-
-@dataclass(frozen=True, slots=True)
-class CaptureSettings:
-    """What a user may say about a take."""
-
-    neutral: tuple[float, float] | None = None
-    """Seconds (first, last) in which the face rests; None: found."""
-    focal: float | None = None
-    """Focal length of the camera in pixels; None: a usual one."""
-    watch: Callable[[Trace], None] | None = None
-    """Told what was seen in every frame, once each and in their order."""
 
 
 class Capture(Protocol):
@@ -53,6 +39,6 @@ def _landmarks(
     return perform(track, known, base, source)
 
 
-CAPTURES: dict[str, Capture] = {"landmarks": _landmarks, "snakes": snakes}
+CAPTURES: dict[str, Capture] = {"landmarks": _landmarks, "snakes": snakes, "tracker": tracker}
 
 __all__ = ["CAPTURES", "Capture", "CaptureSettings"]

@@ -19,6 +19,7 @@ from mien.performance.frame import Frame
 from mien.vocabulary.landmarks import ALL_LANDMARKS
 
 Progress = Callable[[int], None]
+Beside = Callable[[Frame, NDArray[np.float32] | None], None]
 
 
 class Detector:
@@ -58,8 +59,13 @@ class Detector:
         return points * np.array([width, height, width], dtype=np.float32)
 
 
-def follow(frames: Iterable[Frame], progress: Progress | None = None) -> LandmarkTrack:
-    """Landmarks of every frame. Raises NoFaceError where not one frame shows a face."""
+def follow(
+    frames: Iterable[Frame], progress: Progress | None = None, beside: Beside | None = None
+) -> LandmarkTrack:
+    """Landmarks of every frame; ``beside`` is shown each frame with its landmarks (N, 3), or None.
+
+    Raises NoFaceError where not one frame shows a face.
+    """
     time: list[float] = []
     points: list[NDArray[np.float32]] = []
     lost: list[bool] = []
@@ -72,6 +78,8 @@ def follow(frames: Iterable[Frame], progress: Progress | None = None) -> Landmar
             points.append(nothing if seen is None else seen)
             lost.append(seen is None)
             size = (frame.image.shape[1], frame.image.shape[0])
+            if beside is not None:
+                beside(frame, seen)
             if progress is not None:
                 progress(len(time))
     if all(lost):

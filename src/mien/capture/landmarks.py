@@ -28,7 +28,7 @@ USUAL_FOCAL = 1.1
 WORLD_FROM_CAMERA = np.diag([1.0, -1.0, -1.0])
 
 POINTS = tuple(feature_points())
-_POINT_ROWS = np.array([ROW[i] for i in feature_points().values()])
+POINT_ROWS = np.array([ROW[i] for i in feature_points().values()])
 _FACE_ROWS = np.array([row for i, row in ROW.items() if i < FACE_LANDMARKS])
 
 
@@ -94,10 +94,7 @@ def calibrate(
     focal = focal or USUAL_FOCAL * track.size[0]
     seen = np.flatnonzero(~track.lost)
     points, directions = track.points[seen], rays(track, focal)[seen]
-    if neutral is None:
-        rest = find(track.time[seen], points, directions, ground)
-    else:
-        rest = _named(track.time[seen], neutral)
+    rest = rest_of(track, ground, neutral=neutral, focal=focal)
     chosen = samples(len(seen))
     place = refine(own_neutral(points[rest], ground), directions[chosen], ground)
     _, resting = _read(place, directions[rest], ground)
@@ -107,10 +104,26 @@ def calibrate(
         model=place,
         offset=np.median(resting, axis=0),
         lids=lids.lid_range(*openings),
-        gaze=eyes.gaze_rest(eyes.raw_gaze(place + motion), _facing(fit)),
+        gaze=eyes.gaze_rest(eyes.raw_gaze(place + motion), facing(fit)),
         place=np.median(fit.translation, axis=0),
         focal=focal,
     )
+
+
+def rest_of(
+    track: LandmarkTrack,
+    ground: Ground,
+    *,
+    neutral: tuple[float, float] | None = None,
+    focal: float | None = None,
+) -> slice:
+    """The stretch in which the face rests, among the frames that show one. Arguments and errors
+    as of ``calibrate``."""
+    seen = np.flatnonzero(~track.lost)
+    if neutral is not None:
+        return _named(track.time[seen], neutral)
+    directions = rays(track, focal or USUAL_FOCAL * track.size[0])[seen]
+    return find(track.time[seen], track.points[seen], directions, ground)
 
 
 def perform(track: LandmarkTrack, known: Calibration, ground: Ground, source: str) -> Performance:
@@ -119,24 +132,24 @@ def perform(track: LandmarkTrack, known: Calibration, ground: Ground, source: st
     directions = rays(track, known.focal)[seen]
     fit, motion = _read(known.model, directions, ground)
     lifted = known.model + motion
-    facing = _facing(fit)
-    closure = lids.closures(lids.openings(lifted, known.model), known.lids, facing[:, 0])
-    hold = _hold(track.lost)
+    turn = facing(fit)
+    closure = lids.closures(lids.openings(lifted, known.model), known.lids, turn[:, 0])
+    kept = hold(track.lost)
     return Performance(
         points=POINTS,
-        neutral=(known.model + known.offset)[_POINT_ROWS],
+        neutral=(known.model + known.offset)[POINT_ROWS],
         time=track.time,
-        motion=((motion - known.offset)[:, _POINT_ROWS] * GAIN[:, None])[hold],
+        motion=((motion - known.offset)[:, POINT_ROWS] * GAIN[:, None])[kept],
         sigma=np.repeat(SIGMA[:, None], 3, axis=1),
-        rotation=(WORLD_FROM_CAMERA @ fit.rotation)[hold],
-        translation=(fit.translation @ WORLD_FROM_CAMERA)[hold],
-        gaze=eyes.gaze(eyes.raw_gaze(lifted), known.gaze, closure)[hold],
-        confidence=np.where(track.lost, 0.0, _confidence(known, directions, fit, ground)[hold]),
+        rotation=(WORLD_FROM_CAMERA @ fit.rotation)[kept],
+        translation=(fit.translation @ WORLD_FROM_CAMERA)[kept],
+        gaze=eyes.gaze(eyes.raw_gaze(lifted), known.gaze, closure)[kept],
+        confidence=np.where(track.lost, 0.0, _confidence(known, directions, fit, ground)[kept]),
         lost=track.lost,
-        unseen=fit.rotation[:, 2][hold],
+        unseen=fit.rotation[:, 2][kept],
         rest_translation=known.place @ WORLD_FROM_CAMERA,
         spans=SPANS,
-        scalars={"lid_left": closure[hold, 0], "lid_right": closure[hold, 1]},
+        scalars={"lid_left": closure[kept, 0], "lid_right": closure[kept, 1]},
         source=source,
     )
 
@@ -146,7 +159,7 @@ def _read(place: Array, directions: Array, ground: Ground) -> tuple[HeadFit, Arr
     return fit, motion_from_neutral(place, directions, fit)
 
 
-def _facing(fit: HeadFit) -> Array:
+def facing(fit: HeadFit) -> Array:
     """(F, 2) yaw (+ to the performer's left) and pitch (+ up) of the head."""
     x, y, z = np.moveaxis(fit.rotation[:, :, 2], -1, 0)
     return np.stack([np.arctan2(x, -z), np.arcsin(np.clip(-y, -1.0, 1.0))], axis=1)
@@ -160,7 +173,7 @@ def _confidence(known: Calibration, directions: Array, fit: HeadFit, ground: Gro
     return np.asarray(1.0 / (1.0 + (rms / 4.0) ** 2))
 
 
-def _hold(lost: NDArray[np.bool_]) -> NDArray[np.intp]:
+def hold(lost: NDArray[np.bool_]) -> NDArray[np.intp]:
     """(F,) which seen frame stands for each frame: itself, the last one seen, or the first."""
     return np.asarray(np.maximum(np.cumsum(~lost) - 1, 0))
 

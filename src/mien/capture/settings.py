@@ -1,0 +1,21 @@
+"""What a user may say about a take."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from mien.performance.trace import Trace
+
+Progress = Callable[[int], None]
+"""Told how many frames are done."""
+
+
+@dataclass(frozen=True, slots=True)
+class CaptureSettings:
+    """What a user may say about a take."""
+
+    neutral: tuple[float, float] | None = None
+    """Seconds (first, last) in which the face rests; None: found."""
+    focal: float | None = None
+    """Focal length of the camera in pixels; None: a usual one."""
+    watch: Callable[[Trace], None] | None = None
+    """Told what was seen in every frame, once each and in their order."""

@@ -1,0 +1,1 @@
+"""The tracker after [C]: head pose and shape from the picture of the face itself."""

@@ -1,0 +1,121 @@
+"""A chart of the face: the skin of the narrow face unrolled onto a grid of texels.
+
+A picture is read at the places where a posed face shows its texels, so that a look at rest and a
+look in motion lie on one grid: what must be compared is compared texel by texel, and normalised
+over the same patches of skin.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from mien.capture.tracker.state import Sites
+from mien.face.shape_space import ShapeSpace
+from mien.numeric.raster import NOTHING, rasterize
+
+Array = NDArray[np.float64]
+Floats = NDArray[np.float32]
+Bools = NDArray[np.bool_]
+Index = NDArray[np.intp]
+
+TEXEL = 2.0
+"""mm between texels."""
+_AXIS, _RADIUS = -60.0, 100.0
+"""z of the upright axis the skin is unrolled about, and mm on the chart of one radian."""
+
+
+@dataclass(frozen=True, slots=True)
+class Chart:
+    """M texels on a grid (H, W)."""
+
+    shape: tuple[int, int]
+    cell: Index
+    """(M,) place of each texel in the grid, row by row."""
+    corners: NDArray[np.int32]
+    """(M, 3) vertices of the triangle it lies on."""
+    shares: Array
+    """(M, 3) barycentric."""
+    near: Index
+    """(M, 4) texels to the left, right, above and below; itself where there is none."""
+    inner: Bools
+    """(M,) has all four."""
+
+    def __len__(self) -> int:
+        return len(self.cell)
+
+    def sites(self, neutral: Array, expression: Array) -> Sites:
+        """The texels on a face with ``neutral`` (V, 3) and ``expression`` (K, V, 3)."""
+        place = np.einsum("mcx,mc->mx", neutral[self.corners], self.shares)
+        moves = np.einsum("kmcx,mc->kmx", expression[:, self.corners], self.shares)
+        return Sites(place, moves)
+
+    def grid(self, values: NDArray[np.float32]) -> Floats:
+        """(H, W) of ``values`` (M,), 0 where there is no texel."""
+        laid = np.zeros(self.shape, dtype=np.float32)
+        laid.ravel()[self.cell] = values
+        return laid
+
+    def slopes(self, values: Array | Floats, rows: Index) -> tuple[Array, Array]:
+        """Differences per texel to the right and down of ``values`` (M, ...) at texels ``rows``."""
+        left, right, above, below = self.near[rows].T
+        return (values[right] - values[left]) / 2.0, (values[below] - values[above]) / 2.0
+
+
+def unroll(space: ShapeSpace) -> Chart:
+    """The chart of a space's narrow face."""
+    triangles = np.ascontiguousarray(space.triangles[space.narrow], dtype=np.int32)
+    x, y, z = space.neutral.T
+    flat = np.stack([np.arctan2(x, z - _AXIS) * _RADIUS, -y], axis=1) / TEXEL
+    used = flat[np.unique(triangles)]
+    flat = flat - used.min(0) + 2.0
+    width, height = np.ceil(used.max(0) - used.min(0) + 4.0).astype(int)
+    screen = np.column_stack([flat, np.hypot(x, z - _AXIS)])
+    ids, _ = rasterize(
+        screen.astype(np.float32), triangles, np.zeros(len(triangles), bool), width, height
+    )
+    rows, columns = np.nonzero(ids != NOTHING)
+    corners = triangles[ids[rows, columns]]
+    middle = np.stack([columns, rows], axis=1).astype(float) + 0.5
+    shares = _barycentric(np.asarray(flat[corners], dtype=float), middle)
+    number = np.full((height + 2, width + 2), -1, dtype=np.intp)
+    number[rows + 1, columns + 1] = np.arange(len(rows))
+    near = np.stack(
+        [number[rows + 1 + dy, columns + 1 + dx] for dy, dx in ((0, -1), (0, 1), (-1, 0), (1, 0))],
+        axis=1,
+    )
+    inner = np.asarray((near >= 0).all(axis=1))
+    near = np.where(near >= 0, near, np.arange(len(rows))[:, None])
+    return Chart((height, width), rows * width + columns, corners, shares, near, inner)
+
+
+def _barycentric(triangle: Array, point: Array) -> Array:
+    """(M, 3) of ``point`` (M, 2) in ``triangle`` (M, 3, 2)."""
+    a, b, c = np.moveaxis(triangle, 1, 0)
+    ab, ac, ap = b - a, c - a, point - a
+    area = ab[:, 0] * ac[:, 1] - ab[:, 1] * ac[:, 0]
+    second = (ap[:, 0] * ac[:, 1] - ap[:, 1] * ac[:, 0]) / area
+    third = (ab[:, 0] * ap[:, 1] - ab[:, 1] * ap[:, 0]) / area
+    return np.stack([1.0 - second - third, second, third], axis=1)
+
+
+def read(picture: Floats, pixels: Array) -> Floats:
+    """(M,) ``picture`` between its pixels at ``pixels`` (M, 2); the first pixel's centre is
+    (0.5, 0.5). Beyond the border the border goes on."""
+    at = (pixels - 0.5).astype(np.float32)
+    sampled = cv2.remap(
+        picture,
+        at[:, 0].reshape(-1, 1),
+        at[:, 1].reshape(-1, 1),
+        cv2.INTER_LINEAR,
+        borderMode=cv2.BORDER_REPLICATE,
+    )
+    return np.asarray(sampled[:, 0], dtype=np.float32)
+
+
+def smoothed(grid: Floats, sigma: float) -> Floats:
+    """Gaussian of ``sigma`` cells; nothing beyond the border."""
+    return np.asarray(cv2.GaussianBlur(grid, (0, 0), sigma, borderType=cv2.BORDER_CONSTANT))

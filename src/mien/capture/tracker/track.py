@@ -1,0 +1,213 @@
+"""Following a face from frame to frame."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mien.capture.headfit import HeadModel, fit_heads
+from mien.capture.tracker.crop import Crop
+from mien.capture.tracker.landmark_term import LandmarkTerm
+from mien.capture.tracker.look import Look, pictures, take, visible
+from mien.capture.tracker.person import Person
+from mien.capture.tracker.prior_term import PriorTerm
+from mien.capture.tracker.solve import Term, solve, step
+from mien.capture.tracker.state import State
+from mien.capture.tracker.texture_term import Normaliser, TextureTerm
+from mien.numeric.rotation import angle_between
+
+Array = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+Floats = NDArray[np.float32]
+Index = NDArray[np.intp]
+
+
+@dataclass(frozen=True, slots=True)
+class Trust:
+    """How much each term counts; 0 leaves it out."""
+
+    texture: float = 0.15
+    """Of a texel: neighbours are not independent."""
+    anchor: float = 0.3
+    """Of a landmark's place."""
+    predictor: float = 1.0
+    """Of a landmark's motion since the frame before."""
+    keyframes: bool = True
+    spread: float = 1.0
+    """Factor on the prior spread of expressions."""
+
+
+ANCHOR_SIGMA = 4.0
+"""mm, of a landmark's place."""
+PREDICTOR_SIGMA = 1.0
+"""mm, of its motion."""
+LEVELS = (0, 1, 1)
+SAMPLES = 2500
+EVERY, DOUBT = 5, 1.15
+"""Every so many frames, and where looks agree so much less than usual, the landmarks' own pose is
+tried too."""
+KEY_APART, KEY_FROM, KEY_NEARER, SURE = 15.0, 18.0, 8.0, 1.1
+""""""
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """One frame's result."""
+
+    state: State
+    missed: Array
+    """(N, 2) mm by which the landmarks miss the state."""
+    cost: float
+    """How badly the looks agree."""
+    confidence: float
+    """0..1"""
+
+
+class Tracker:
+    """Follows one person; frames come in one by one."""
+
+    def __init__(self, person: Person, looks: list[Look], start: State, trust: Trust | None = None):
+        self.person, self.trust = person, trust or Trust()
+        self.looks = list(looks)
+        self.state, self.missed = start, person.offset
+        self.rows = _samples(person, looks[0]) if looks else np.zeros(0, dtype=np.intp)
+        self.sampled = person.texels.take(self.rows)
+        self._costs: list[float] = []
+        self._count = 0
+
+    def step(self, crop: Crop, points: Array) -> Found:
+        """The next frame: its crop and its landmarks (N, 2) in pixels of the frame."""
+        blurred = pictures(crop, float(self.state.translation[2]), self.person.focal)
+        aligned = self._align(crop, blurred, points, self._predict(points))
+        self._count += 1
+        if self._count % EVERY == 0 or aligned.cost > DOUBT * self._usual():
+            again = self._align(crop, blurred, points, self.absolute(points))
+            if again.cost < aligned.cost:
+                aligned = again
+        self._costs = [*self._costs[-100:], aligned.cost]
+        self.state = aligned.state
+        self.missed = self._miss(points, self.state)
+        if self.trust.keyframes:
+            self._keep(crop, aligned)
+        return Found(self.state, self.missed, aligned.cost, 1.0 / (1.0 + (aligned.cost / 0.6) ** 4))
+
+    def absolute(self, points: Array) -> State:
+        """What the landmarks (N, 2) alone tell, whatever came before."""
+        person = self.person
+        directions = (points - person.centre) / person.focal
+        model = HeadModel(
+            person.landmarks.neutral,
+            np.moveaxis(person.landmarks.shapes, 2, 0),
+            np.arange(len(points)),
+        )
+        fit = fit_heads(model, directions[None])
+        state = State(fit.rotation[0], fit.translation[0], fit.weights[0])
+        return solve(state, self._anchors(points, state, 1.0, 1.0), 2)
+
+    def anchors(self, points: Array, state: State) -> list[Term]:
+        """What landmarks (N, 2) and prior say of a frame about ``state``."""
+        return self._anchors(points, state, self.trust.anchor)
+
+    def _usual(self) -> float:
+        return float(np.median(self._costs)) if len(self._costs) > 10 else np.inf
+
+    def _keep(self, crop: Crop, aligned: Aligned) -> None:
+        """Remember how the face looks from a side not seen before."""
+        if aligned.cost < SURE * self._usual() and len(self._costs) > 10:
+            turns = self._turns(aligned.state)
+            if min(turns) > KEY_APART:
+                self.looks.append(take(self.person, crop, aligned.state))
+
+    def _prior(self) -> PriorTerm:
+        return PriorTerm(self.person.space.spread * self.trust.spread)
+
+    def _predict(self, points: Array) -> State:
+        terms = self._landmarks(points, self.state, self.missed, PREDICTOR_SIGMA, 1.0)
+        return solve(self.state, [terms, self._prior()], 3)
+
+    def _landmarks(
+        self, points: Array, state: State, missed: Array, sigma: float, weight: float
+    ) -> LandmarkTerm:
+        person = self.person
+        pixels = person.focal / state.translation[2]
+        return LandmarkTerm(
+            person.landmarks,
+            person.lens(),
+            points - missed * pixels,
+            np.full(len(points), sigma * pixels),
+            weight=weight,
+        )
+
+    def _anchors(
+        self, points: Array, state: State, weight: float, sigma: float = ANCHOR_SIGMA
+    ) -> list[Term]:
+        anchor = self._landmarks(points, state, self.person.offset, sigma, weight)
+        return [anchor, self._prior()]
+
+    def _miss(self, points: Array, state: State) -> Array:
+        person = self.person
+        pixels = person.focal / state.translation[2]
+        shown = person.lens().project(person.landmarks.seen(state))
+        return np.asarray((points - shown) / pixels)
+
+    def _align(
+        self, crop: Crop, blurred: tuple[Floats, ...], points: Array, guess: State
+    ) -> Aligned:
+        person, trust = self.person, self.trust
+        if not self.looks or trust.texture == 0.0:
+            return Aligned(solve(guess, self._anchors(points, guess, 1.0, 1.0), 3), 0.0)
+        look = self._nearest(guess)
+        normalise = Normaliser(person.chart, look.seen & visible(person, crop, guess, 0.2))
+        others = self._anchors(points, guess, trust.anchor)
+        state = guess
+        terms = [
+            TextureTerm(
+                person.chart,
+                person.texels,
+                self.sampled,
+                self.rows,
+                blurred[level],
+                person.lens(crop),
+                normalise,
+                normalise(look.levels[level]),
+                trust.texture,
+            )
+            for level in range(len(blurred))
+        ]
+        for level in LEVELS:
+            state = step(state, [terms[level], *others])
+        return Aligned(state, terms[-1].cost(state))
+
+    def _turns(self, state: State) -> list[float]:
+        return [
+            float(np.degrees(angle_between(look.state.rotation, state.rotation)))
+            for look in self.looks
+        ]
+
+    def _nearest(self, state: State) -> Look:
+        """The look at rest, unless another is much nearer: only that one's pose is sure."""
+        turns = self._turns(state)
+        best = int(np.argmin(turns))
+        if turns[0] > KEY_FROM and turns[best] < turns[0] - KEY_NEARER:
+            return self.looks[best]
+        return self.looks[0]
+
+
+@dataclass(frozen=True, slots=True)
+class Aligned:
+    """A state, and how badly the looks agree there."""
+
+    state: State
+    cost: float
+
+
+def _samples(person: Person, look: Look) -> Index:
+    """Texels that are compared: the strongest edges of a look, and as many on a raster."""
+    chart = person.chart
+    every = np.flatnonzero(chart.inner & look.seen)
+    right, down = chart.slopes(Normaliser(chart, look.seen)(look.levels[1]), every)
+    strong = every[np.argsort(-(right**2 + down**2))[: SAMPLES // 2]]
+    raster = every[:: max(1, len(every) // (SAMPLES // 2))]
+    return np.unique(np.concatenate([strong, raster]))
