@@ -22,20 +22,24 @@ from mien.numeric.facing import ClosestPoints
 from mien.numeric.normals import vertex_normals
 from mien.numeric.procrustes import Similarity, align
 from mien.sculpt.transfer.outside import outside
+from mien.sculpt.transfer.skin import Skin
 
-SKIN = "skin"
-"""The part that deforms."""
 _OFF_SKIN = frozenset({"3.5", "3.6", "7.1"})
 _OFF_GROUPS = frozenset({"6", "10", "11"})
 """Tongue, ears and hair line: heads of other kinds have them elsewhere."""
 _TEETH = frozenset({"9.8", "9.9", "9.10", "9.11"})
 _FEWEST = 8
 
+_NEIGHBOURS = 8
+_STRAY = 8.0
+"""mm by which a point may go elsewhere than its neighbours."""
 _SMOOTHING = 0.03
 """Of the radial warp, in the unit of ``rbf.fit``: about 2 mm on a head."""
 _PLATE = (30.0, 10.0, 3.0, 1.5)
 """How firm the plate is in each round of the fit, against one closest place a vertex."""
 _STIFFNESS = 0.01
+_LOOSE = 1e-6
+"""Weight that keeps what nothing draws in its place."""
 _TURNED = 18.0
 """mm by which a place that faces the other way counts as farther."""
 _FAR = 25.0
@@ -77,24 +81,29 @@ def shared_points(source: Face, target: Face) -> tuple[str, ...]:
     return common
 
 
-def correspond(source: Face, target: Face) -> Correspondence:
-    """Lay ``source`` on ``target``. Raises InputError where they share too few points."""
+def correspond(source: Face, target: Face, skin: Skin, own: Skin) -> Correspondence:
+    """Lay ``source``, whose skin is ``skin``, on ``target``, whose skin is ``own``. Raises
+    InputError where they share too few points."""
     common = shared_points(source, target)
     from_places = source.points.at(source.vertices)[source.points.index(common)]
     to_places = target.points.at(target.vertices)[target.points.index(common)]
     similarity = align(from_places, to_places)
-    skin = source.part(SKIN)
-    rest = similarity(source.vertices[skin.first : skin.last])
-    places = similarity(from_places)
-    field = rbf.fit(places, to_places - places, smoothing=_SMOOTHING)
-    warped = rest + field(rest)
-    triangles = (skin.triangles - skin.first).astype(np.int32)
-    seen = outside(rest, triangles) & ~_lids(source, rest, similarity)
-    own = target.part(SKIN)
-    surface = target.vertices[own.first : own.last]
-    own_triangles = (own.triangles - own.first).astype(np.int32)
-    warped = _fit(warped, triangles, seen, surface, own_triangles, field, places, to_places)
-    return _partners(similarity, warped, triangles, surface, own_triangles)
+    good = _agreeing(similarity(from_places), to_places)
+    similarity = align(from_places[good], to_places[good])
+    places = similarity(from_places[good])
+    field = rbf.fit(places, to_places[good] - places, smoothing=_SMOOTHING)
+    rest = similarity(skin.vertices)
+    seen = outside(rest, skin.triangles) & ~_lids(source, rest, similarity)
+    warped = _fit(rest + field(rest), skin.triangles, seen, own)
+    return _partners(similarity, warped, skin.triangles, own)
+
+
+def _agreeing(places: Array, to_places: Array) -> NDArray[np.bool_]:
+    """(P,) points that go about where their neighbours go: detectors err on bare skin."""
+    shift = to_places - places
+    near = np.argsort(np.linalg.norm(places[:, None] - places[None], axis=-1), axis=1)
+    expected = np.median(shift[near[:, 1 : 1 + _NEIGHBOURS]], axis=1)
+    return np.asarray(np.linalg.norm(shift - expected, axis=1) < _STRAY)
 
 
 def _lids(face: Face, rest: Array, similarity: Similarity) -> NDArray[np.bool_]:
@@ -117,37 +126,31 @@ def eye_radius(face: Face, eye: str) -> float:
     return float(np.linalg.norm(np.concatenate(runs) - face.pivots[eye], axis=1).max())
 
 
-def _fit(
-    warped: Array,
-    triangles: Ints,
-    seen: NDArray[np.bool_],
-    surface: Array,
-    own_triangles: Ints,
-    field: rbf.Field,
-    places: Array,
-    to_places: Array,
-) -> Array:
-    """``warped`` (S, 3) drawn onto the target's ``surface`` where it is ``seen``."""
+def _fit(warped: Array, triangles: Ints, seen: NDArray[np.bool_], own: Skin) -> Array:
+    """``warped`` (S, 3) drawn onto the target's skin where it is ``seen``, square to that skin:
+    along it the feature points know better than closest places."""
     laplacian = uniform_laplacian(triangles, len(warped))
-    target = ClosestPoints(surface, own_triangles)
+    target = ClosestPoints(own.vertices, own.triangles)
+    own_normals = vertex_normals(own.vertices, own.triangles)
     rows = np.flatnonzero(seen)
     for firmness in _PLATE:
         normals = vertex_normals(warped, triangles)[rows]
         found = target(warped[rows], normals, _TURNED)
         reached = (found.distance < _FAR) & (found.facing > 0.0)
-        pull = found.matrix(own_triangles, len(surface)) @ surface - warped[rows]
+        at = found.matrix(own.triangles, len(own.vertices))
+        square = at @ own_normals
+        square /= np.maximum(np.linalg.norm(square, axis=1, keepdims=True), 1e-9)
+        height = ((at @ own.vertices - warped[rows]) * square).sum(axis=1, keepdims=True)
         handles = Handles(len(warped))
-        handles.add(rows[reached], pull[reached], 1.0 / firmness)
-        handles.hold(np.flatnonzero(~seen), 1e-4)
+        handles.add(rows[reached], (height * square)[reached], 1.0 / firmness)
+        handles.hold(np.arange(len(warped)), _LOOSE)
         warped = warped + spread(laplacian, handles, _STIFFNESS)
     return warped
 
 
-def _partners(
-    similarity: Similarity, warped: Array, triangles: Ints, surface: Array, own_triangles: Ints
-) -> Correspondence:
-    normals = vertex_normals(surface, own_triangles)
-    found = ClosestPoints(warped, triangles)(surface, normals, _TURNED)
+def _partners(similarity: Similarity, warped: Array, triangles: Ints, own: Skin) -> Correspondence:
+    normals = vertex_normals(own.vertices, own.triangles)
+    found = ClosestPoints(warped, triangles)(own.vertices, normals, _TURNED)
     partner = found.matrix(triangles, len(warped))
     middle = float(np.median(np.minimum(found.distance, _FAR)))
     near = np.exp(-((found.distance / (3.0 + 2.0 * middle)) ** 2))

@@ -18,6 +18,7 @@ from scipy.sparse.linalg import splu
 
 from mien.face.face import Array, Ints
 from mien.sculpt.transfer.correspondence import Correspondence
+from mien.sculpt.transfer.skin import Skin
 
 _SCREEN = 10.0
 """mm, the screen's length L: over less, gradients rule; over more, places."""
@@ -57,24 +58,22 @@ class Transfer:
 
     def __init__(
         self,
-        source: Array,
-        source_triangles: Ints,
-        moved: Array,
-        target: Array,
-        target_triangles: Ints,
+        source: Skin,
+        target: Skin,
         pair: Correspondence,
+        moved: Array,
         screen: float = _SCREEN,
     ) -> None:
-        """``source`` (S, 3) and ``target`` (V, 3) at rest, ``moved`` (S,) mm the farthest that
-        any shape takes each vertex of the source, after the similarity."""
+        """Skins at rest; ``moved`` (S,) mm, the farthest that any shape takes each vertex of the
+        source, at the target's size."""
         self._similarity = pair.similarity
-        slopes, areas = gradient(target, target_triangles)
-        trust = pair.trust[target_triangles].mean(axis=1)
+        slopes, areas = gradient(target.vertices, target.triangles)
+        trust = pair.trust[target.triangles].mean(axis=1)
         weight = np.repeat(areas * (_DOUBT + (1.0 - _DOUBT) * trust), 3)
-        read = self._read(source, source_triangles, target_triangles, pair.partner)
+        read = self._read(source, target.triangles, pair.partner)
         believed = sparse.diags(np.repeat(trust, 3)) @ read
-        own_area = np.zeros(len(target))
-        np.add.at(own_area, target_triangles, areas[:, None] / 3.0)
+        own_area = np.zeros(len(target.vertices))
+        np.add.at(own_area, target.triangles, areas[:, None] / 3.0)
         held = pair.partner @ moved < _STILL
         screened = own_area * np.where(held, _HELD, pair.trust / screen**2)
         weighed = slopes.T @ sparse.diags(weight)
@@ -88,11 +87,11 @@ class Transfer:
         self.held: NDArray[np.bool_] = held
 
     def _read(
-        self, source: Array, triangles: Ints, target_triangles: Ints, partner: sparse.csr_matrix
+        self, source: Skin, target_triangles: Ints, partner: sparse.csr_matrix
     ) -> sparse.csr_matrix:
         """(3T, S) gradients of the source, smoothed, at the middles of the target's triangles."""
-        slopes, areas = gradient(self._similarity(source), triangles)
-        count = len(source)
+        triangles, count = source.triangles, len(source.vertices)
+        slopes, areas = gradient(self._similarity(source.vertices), triangles)
         corner = sparse.csr_matrix(
             (np.repeat(areas, 3), (triangles.ravel(), np.repeat(np.arange(len(triangles)), 3))),
             (count, len(triangles)),
