@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.capture.snakes.lens import boxed
+from mien.capture.snakes.lens import boxed, upper_curve
 
 Array = NDArray[np.float64]
 Field = NDArray[np.float32]
@@ -20,6 +20,10 @@ _SEED = 0.15
 """Above the threshold, from where a blob may start."""
 _NEAR = 25.0
 """Patch units from the expected place at which a blob counts six tenths."""
+_HAIR, _TALL = 0.5, 24
+"""What is brighter than the one in a brow's rectangle, and taller than the other, is hair."""
+_LID_MARGIN = 5.0
+"""Patch units above an eye where a brow may begin."""
 _FEWEST = 20
 """Pixels of a blob."""
 
@@ -59,3 +63,30 @@ def blob_lens(blob: Mask, corner: Array) -> Array:
     below = (rows - left[1]) * along[0] - (columns - left[0]) * along[1]
     top, bottom = max(-float(below.min()), 0.5), max(float(below.max()), 0.5)
     return boxed(left + corner, right + corner, top, bottom)
+
+
+def without_hair(field: Field, expected: Array) -> Field:
+    """``field`` of a brow with what hangs in from its rectangle's rim put out, unless that is the
+    brow itself (hair over it): ``expected`` (2,) its middle, pixels of the field."""
+    count, label, facts, _ = cv2.connectedComponentsWithStats(
+        (field > _HAIR).astype(np.uint8), connectivity=4
+    )
+    rows, columns = field.shape
+    left, top, width, height, _ = facts.T
+    hanging = (left == 0) | (left + width == columns) | (top == 0)
+    over = (left < expected[0]) & (left + width > expected[0])
+    hanging &= ~over & (height > _TALL)
+    hanging[0] = False
+    if not hanging.any():
+        return field
+    return np.where(hanging[label], np.float32(0.0), field)
+
+
+def above(field: Field, lens: Array, corner: Array) -> Field:
+    """``field`` of a brow with the eye ``lens`` (6, 2) and all below it put out."""
+    edge = upper_curve(lens) - corner - np.array([0.0, _LID_MARGIN])
+    rows, columns = field.shape
+    below = np.array([[edge[-1, 0], rows], [edge[0, 0], rows]])
+    result = field.copy()
+    cv2.fillPoly(result, [np.round(np.concatenate([edge, below])).astype(np.int32)], 0.0)
+    return result

@@ -65,7 +65,7 @@ class Weights:
 
 USUAL_WEIGHTS = {
     "brow": Weights(0.0, 0.75, -0.2, 0.0, 0.30),
-    "eye": Weights(-0.2, 0.3, -0.43, 0.2, 0.03),
+    "eye": Weights(-0.1, 0.4, -0.43, 0.0, 0.08),
     "sclera": Weights(-0.5, 0.0, 0.0, 0.0, 0.05),
     "lip": Weights(0.2, 0.06, 0.0, 0.7, 0.06),
 }

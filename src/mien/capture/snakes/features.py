@@ -31,12 +31,13 @@ class Feature:
 
 
 FEATURES = (
-    Feature("brow_right", "brow", (-104, -68, -4, -10)),
-    Feature("brow_left", "brow", (4, -68, 104, -10)),
     Feature("eye_right", "eye", (-84, -22, -16, 18)),
     Feature("eye_left", "eye", (16, -22, 84, 18)),
+    Feature("brow_right", "brow", (-104, -68, -4, -10)),
+    Feature("brow_left", "brow", (4, -68, 104, -10)),
     Feature("lips", "lip", (-66, 80, 66, 189)),
 )
+"""In the order in which they are sought: brows lie above the eyes that were found."""
 NAMES = tuple(feature.name for feature in FEATURES)
 ROW = {name: row for row, name in enumerate(NAMES)}
 

@@ -18,6 +18,7 @@ from mien.capture.snakes.lens import (
     outline,
     upper_curve,
 )
+from mien.capture.snakes.skin import USUAL_SKIN
 from mien.numeric import bezier
 
 Array = NDArray[np.float64]
@@ -35,6 +36,8 @@ _SLIT = 3.0
 """Patch units of height below which a mouth is shut and one curve serves both lips."""
 _RING = 0.14
 """Depth of the lips' own colour inside their outline, in heights."""
+_STRIP, _HAIRY = 6.0, 0.2
+"""Patch units above the lips, and ln(V of the skin / V) from which hair grows there."""
 _MARGIN = np.ones((3, 3), np.uint8)
 
 
@@ -75,6 +78,14 @@ def inside_masks(value: Field, magenta: Field, lips: LipColour) -> tuple[Mask, M
     dark = value < lips.value * np.exp(-_DARK)
     teeth = (magenta < _PALE * MAGENTA_SKIN) & (value > _BRIGHT * lips.value)
     return dark.astype(np.uint8), teeth.astype(np.uint8)
+
+
+def moustache(lips: Array, value: Field, corner: Array) -> bool:
+    """Whether what is above the lips (6, 2) is darker than skin: then dark is no sign of a mouth."""
+    strip = upper_curve(lips, 15)[3:-3] - np.array([0.0, _STRIP])
+    column, row = np.round(strip - corner).astype(int).T
+    row, column = np.clip(row, 0, value.shape[0] - 1), np.clip(column, 0, value.shape[1] - 1)
+    return bool(np.median(value[row, column]) < USUAL_SKIN.max() * np.exp(-_HAIRY))
 
 
 def filled(lens: Array, corner: Array, shape: tuple[int, int]) -> Mask:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-_CORNERS = 0.03
+_CORNERS = 0.008
 """Per squared patch unit: an eye's corners stay at their calibrated place."""
 _CORNERS_UNKNOWN = 0.002
 """The same while nobody knows where they are."""
@@ -18,6 +18,10 @@ _LIDS = 0.0007
 """Lids stay where they were."""
 _BROW_SHAPE, _BROW_THICKNESS = 0.002, 0.004
 """A brow keeps its shape but for its place, and its thickness."""
+_BROW_ALONG = 0.003
+"""Its ends fade into the skin: they are where they are at rest, across the face."""
+_STRANGER = 0.1
+"""How much less the shape of everybody's brow is trusted than the performer's own."""
 _LIPS = 0.0001
 """Lips stay where they were."""
 
@@ -31,6 +35,7 @@ def _pick(points: list[int]) -> Array:
 
 
 _ENDS, _MIDDLES, _WHOLE = _pick([0, 1]), _pick([2, 3, 4, 5]), np.eye(12)
+_ALONG = np.eye(12)[[0, 2]]
 _THICKNESS = _pick([4, 5]) - _pick([2, 3])
 _SHAPE = np.eye(12) - np.kron(np.full((6, 6), 1.0 / 6.0), np.eye(2))
 
@@ -56,7 +61,11 @@ def prior(group: str, rest: Array, last: Array, known: bool) -> tuple[Array, Arr
         corners = _CORNERS if known else _CORNERS_UNKNOWN
         return _form((corners, _ENDS, rest), (_LIDS, _MIDDLES, last), (_EVENNESS, _EVEN, rest))
     if group == "brow":
-        return _form((_BROW_SHAPE, _SHAPE, rest), (_BROW_THICKNESS, _THICKNESS, rest))
+        trust = 1.0 if known else _STRANGER
+        shape, thickness = trust * _BROW_SHAPE, trust * _BROW_THICKNESS
+        return _form(
+            (shape, _SHAPE, rest), (thickness, _THICKNESS, rest), (_BROW_ALONG, _ALONG, rest)
+        )
     return _form((_LIPS, _WHOLE, last), (_EVENNESS, _EVEN, rest))
 
 

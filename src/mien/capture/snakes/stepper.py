@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from mien.capture.snakes.blobs import above, without_hair
 from mien.capture.snakes.box import find_face
 from mien.capture.snakes.colour import (
     USUAL_WEIGHTS,
@@ -26,6 +27,7 @@ from mien.capture.snakes.mouth import (
     find_opening,
     inside_masks,
     lip_colour,
+    moustache,
 )
 from mien.capture.snakes.patch import ORIGIN, Picture, Placement
 from mien.capture.snakes.pose import RESTING, Pose, fit_pose
@@ -152,6 +154,10 @@ class SnakeCapture:
         energies = np.zeros(MOUTH)
         for i, feature in enumerate(FEATURES):
             field = transform(patch, scale, value, mean, USUAL_WEIGHTS[feature.group], feature.box)
+            if feature.group == "brow":
+                eye = out[ROW[feature.name.replace("brow", "eye")]]
+                field = above(field, eye, np.array(feature.box[:2], dtype=float))
+                field = without_hair(field, rest[i].mean(axis=0) - feature.box[:2])
             if feature.group == "eye":
                 pale = transform(patch, scale, value, mean, USUAL_WEIGHTS["sclera"], feature.box)
                 field = np.maximum(field, pale)
@@ -164,7 +170,7 @@ class SnakeCapture:
                 )
                 dark, teeth = inside_masks(bright, pink, lips)
                 grown = cv2.dilate(filled(lenses[i], corner, field.shape), _GROWN)
-                if known:
+                if known and not moustache(lenses[i], bright, corner):
                     field = np.maximum(field, ((dark | teeth) & grown).astype(np.float32))
             settled = settle(feature.group, field, corner, rest[i], lenses[i], known)
             out[i], energies[i] = settled.lens, settled.energy
