@@ -18,6 +18,7 @@ from mien.face.library import CHARACTERS, GENERIC, character_file
 from mien.face.store import write_character
 from mien.numeric.biharmonic import uniform_laplacian
 from mien.sculpt import jaw
+from mien.sculpt.brush import ramp
 from mien.sculpt.cage import cage
 from mien.sculpt.cast import CAST
 from mien.sculpt.expression import Expression
@@ -38,6 +39,9 @@ _NECK = np.array([0.0, -104.0, -58.0])
 leaves it where it entered it."""
 _SMOOTHINGS = 3
 """Rounds of averaging over the skin's neighbours, for occlusion."""
+_STILL, _MOVES = 0.02, 0.10
+"""mm: what a key model moves less stands still, and between the two it fades. Nobody sees it, and
+what stands still takes no room in a file."""
 _IN_MOUTH = 0.45
 """Strength of the occlusion on the mouth bag."""
 
@@ -105,7 +109,9 @@ def _displacement(
     before = np.concatenate([solid.vertices for solid in solids])
     if name in sculpture.starts:
         before = _posed(sculpture, neutral, solids, sculpture.starts[name])
-    return np.asarray(after - before, dtype=np.float32)
+    motion = after - before
+    far = np.linalg.norm(motion, axis=1, keepdims=True)
+    return np.asarray(motion * ramp(_STILL, _MOVES, far), dtype=np.float32)
 
 
 def _occlusion(sculpture: Sculpture, neutral: Head, solids: Sequence[Solid]) -> Array:

@@ -29,8 +29,11 @@ _MOST = 82.0
 """Degrees: less than what is sound, for key models are mixed."""
 _MOST_BEYOND = 100.0
 """Under the jaw, where skin folds, stiff triangles would show."""
-_PARTS = (0.5, 1.0)
-"""Weights of the pose that are looked at: key models move along chords."""
+_PARTS = (0.5, 1.0, 1.4)
+"""Weights of the pose that are looked at: key models move along chords, and what is mixed with
+one moves the skin further ..."""
+_GIVE_WAY = 1.0
+"""... but lids' edges no further than this: they give way to blinks."""
 _ROUNDS = 24
 _STIFFER, _ABOUT = 0.4, 0.15
 """What an offending triangle's k gains in the first round, and that of those about it."""
@@ -44,7 +47,7 @@ def eased(neutral: Array, posed: Array, eye: EyeShape) -> Array:
     best, least = wanted, np.inf
     motion, stiff, gain = wanted, np.zeros(len(cage().subdivision.triangles)), 1.0
     for _ in range(_ROUNDS):
-        most = np.max([turned(neutral, neutral + part * motion) for part in _PARTS], axis=0)
+        most = np.max([_turned_by(neutral, part * motion, part) for part in _PARTS], axis=0)
         over = most > limit
         # Some triangles cannot be kept from it, and all about them would go stiff in vain.
         excess = float((most - limit)[over].sum())
@@ -58,6 +61,11 @@ def eased(neutral: Array, posed: Array, eye: EyeShape) -> Array:
         motion = _stiffened(neutral, wanted, stiff)
         motion = clear_of_eyes(neutral + motion, eye) - neutral
     return np.asarray(neutral + best)
+
+
+def _turned_by(neutral: Array, motion: Array, part: float) -> Array:
+    degrees = turned(neutral, neutral + motion)
+    return np.where(_lid_edges(), 0.0, degrees) if part > _GIVE_WAY else degrees
 
 
 def _stiffened(neutral: Array, wanted: Array, stiff: Array) -> Array:
@@ -93,6 +101,12 @@ def _beyond_the_face() -> NDArray[np.bool_]:
     label = labels()
     face = label.mask + label.lid_inside + label.bag
     return np.asarray(face[cage().subdivision.triangles].min(axis=1) < 0.9)
+
+
+@cache
+def _lid_edges() -> NDArray[np.bool_]:
+    """(T,) triangles of lids' margins and of what lies next to them."""
+    return np.asarray(labels().lid_edge[cage().subdivision.triangles].max(axis=1) > 0.05)
 
 
 @cache

@@ -128,7 +128,7 @@ KEYS: Mapping[str, Expression] = {
     "blink_left": replace(_BLINK, right=0),
     "blink_right": replace(_BLINK, left=0),
     "brows_up": E(brow_inner=(0, 10.5, 0), brow_middle=(0, 10.5, 0), brow_outer=(0, 8.0, 0)),
-    "jaw_open": E(jaw=20, lower_quarter=(0, -2.0, 0), upper_thick=1.06, lower_thick=1.1),
+    "jaw_open": E(jaw=20, lower_quarter=(0, -2.0, 0), upper_thick=1.03, lower_thick=1.05),
     "pucker": E(
         narrow=0.42,
         pucker=7.5,

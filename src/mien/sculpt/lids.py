@@ -26,13 +26,13 @@ _TILT_BELOW = 0.4
 _CORNER = 0.24
 """The corners sink by this part of what the middle of the meeting line lies lower: lids that went
 past them would turn over."""
-_MIDDLE = 0.14
+_MIDDLE = 0.27
 """The middle passes less far: lids that are closed as far as the feature points there tell are
 closed all along."""
 _BULGE = 0.8
 """mm by which a closed upper lid stands off farther: one that was wide open is moved by more than
 a blink, along the same chord."""
-_OVERLAP = 0.045
+_OVERLAP = 0.048
 """Part of the opening by which each closed margin of the cage passes the meeting line: subdivision
 draws it back by as much."""
 
@@ -102,7 +102,7 @@ def margin(eye: EyeShape, pose: LidPose) -> tuple[Array, Array]:
     tilt = pose.tilt * eye.upper / 10 * cosine * sine**0.8
     top, bottom = top - tilt, bottom - _TILT_BELOW * tilt
     # Nothing to pass at the corners, where the lids hang together.
-    past = (_OVERLAP * (eye.upper + eye.lower) + 0.25) * (sine**0.7 - _MIDDLE * sine**12)
+    past = (_OVERLAP * (eye.upper + eye.lower) + 0.25) * (sine**0.7 - _MIDDLE * sine**24)
     top = top + (meet - past - top) * pose.upper
     bottom = bottom + (meet + past - bottom) * pose.lower
     corner = meet * max(pose.upper, 0.0)

@@ -48,7 +48,7 @@ def lip_loops(mouth: MouthShape) -> Array:
     loops = [
         np.stack(
             [
-                ACROSS * mouth.half_width * (1 + 0.036 * k),
+                ACROSS * mouth.half_width * (1 + 0.05 * k),
                 line + height * up + 0.11 * SIDE,
                 depth + full * forward - 0.5 * k * np.abs(ACROSS) ** 6,
             ],

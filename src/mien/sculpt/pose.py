@@ -31,15 +31,15 @@ _BAG_FOLLOWS = (1.0, 0.9, 0.5, 0.2, 0.1)
 _THINNEST = 0.3
 _LITTLE = 0.12
 _BROW_WEIGHT = 4.0
-_VOLUMES = (0.84, 1.21)
+_VOLUMES = (0.84, 1.16)
 """A lip that would have less of its neutral volume keeps the rest rolled in behind its edge; one
 that would have more takes it from there, and is thinner where that is not enough."""
 _ROUNDS = 8
 _ROLL = 9.0
 """mm back for a whole lip's volume, a first guess."""
 _MOST_OUT = 2.6
-_UPPER_CLOSES = 0.3
-"""Part of the way that the upper lip goes to meet the lower."""
+_UPPER_CLOSES = np.array([0.3, 0.3, 0.0])
+"""Part of the way that the upper lip goes to meet the lower: never back, where its teeth are."""
 
 _FOREHEAD = [10, 151, 338, 109, 297, 67, 332, 103, 284, 54, 251, 21, 389, 162, 356, 127, 454, 234]
 _FOREHEAD += [323, 93]
@@ -212,8 +212,9 @@ def _closing(places: Array, neutral: Array) -> Array:
     """(20, 3) how the inner edges must move to meet as they did at rest."""
     opposite = LIPS[0][-np.arange(len(LIPS[0])) % len(LIPS[0])]
     parted = (places[opposite] - places[LIPS[0]]) - (neutral[opposite] - neutral[LIPS[0]])
-    share = np.where(SIDE > 0, _UPPER_CLOSES, np.where(SIDE < 0, 1 - _UPPER_CLOSES, 0.0))
-    return np.asarray(share[:, None] * parted)
+    side = SIDE[:, None]
+    share = np.where(side > 0, _UPPER_CLOSES, np.where(side < 0, 1 - _UPPER_CLOSES, 0.0))
+    return np.asarray(share * parted)
 
 
 def _pull_cheeks(handles: Handles, proportions: Proportions, expression: Expression) -> None:

@@ -174,10 +174,10 @@ def _dress(neutral: Head) -> Sequence[Solid]:
 # The muzzle stretches over the teeth: lips that go back would let them through.
 _KEYS = repertoire(
     smile={"upper_lip": (0, 0.7, 0.6), "lower_lip": (0, 0.65, 1.0)},
-    sad={"corner": (-1.0, -11.0, -1.0)},
+    sad={"corner": (-1.0, -9.5, -1.0)},
     pressed={
-        "upper_lip": (0, -0.3, -0.2),
-        "lower_lip": (0, 0.2, 0.2),
+        "upper_lip": (0, -0.2, -0.2),
+        "lower_lip": (0, 0.1, 0.2),
         "upper_thick": 0.75,
         "lower_thick": 0.75,
     },
@@ -187,7 +187,12 @@ _KEYS = repertoire(
         "upper_thick": 0.7,
         "lower_thick": 0.7,
     },
-    viseme_p={"upper_lip": (0, -0.3, 0), "lower_lip": (0, 0.2, 0)},
+    viseme_p={
+        "upper_lip": (0, -0.1, 0),
+        "lower_lip": (0, 0, 0),
+        "upper_thick": 0.78,
+        "lower_thick": 0.78,
+    },
     disgust={"upper_lip": (0, 4.8, 2.0), "jaw": 3.0},
     surprise={"narrow": 0.26, "pucker": 6.0},
     fear={"upper_lip": (0, 2.2, 0), "lower_lip": (0, -1.8, 0)},

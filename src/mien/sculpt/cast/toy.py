@@ -54,13 +54,13 @@ _PROPORTIONS = Proportions(
         ),
     ),
     EyeShape(
-        aside=29,
+        aside=30.5,
         height=14,
         depth=31,
         radius=24.5,
-        half_width=22.5,
-        upper=17,
-        lower=15.5,
+        half_width=24,
+        upper=15.5,
+        lower=12,
         tilt=0,
         peak=0,
         lid_turn=5,
@@ -305,13 +305,15 @@ def _ride(neutral: Head, posed: Head) -> Sequence[Solid]:
 # Wide-open lids would show where a button ends, and strong squints crumple the felt.
 _KEYS = repertoire(
     smile={"corner": (10.0, 11.0, -5.0), "squint": 0.25},
-    sad={"corner": (-1.0, -12.0, -1.0)},
+    sad={"corner": (-1.0, -10.0, -1.0)},
     pressed={"upper_thick": 0.75, "lower_thick": 0.75},
     laugh={"squint": 0.35},
+    sneer_left={"nose": 3.5},
+    sneer_right={"nose": 3.5},
     surprise={"blink": -0.2, "squint": -0.1},
     fear={"blink": -0.18},
     disgust={"squint": 0.3},
-    anger={"squint": 0.25, "brow_inner": (-4.5, -10.0, 2.5), "brow_outer": (0, 5.0, 0)},
+    anger={"squint": 0.25, "brow_inner": (-4.5, -9.0, 2.5), "brow_outer": (0, 5.0, 0)},
 )
 
 TOY = Sculpture(
