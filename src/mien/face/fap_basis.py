@@ -2,38 +2,32 @@
 
 Each FAP moves its own feature point by its value times its unit along its axis, exactly, and no
 other point along an axis in which another FAP moves that; FAPs that turn the head or an eye are
-rotations and have no field. What cannot be linear, and what surfaces that touch forbid, is in
-``fap_weights``.
+rotations and have no field. What a face does beyond that is in ``fap_targets``.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mien.errors import InputError
 from mien.face import fap_parts
-from mien.face.character import Character, KeyModels
 from mien.face.face import Array, Face
 from mien.face.fap_lids import lids
 from mien.face.fap_lips import OUTER_LIPS, hang_lining
 from mien.face.fap_skin import CHIN, Skin, skin
 from mien.face.influence import LIPS, Mask
-from mien.vocabulary.fap import PER_UNIT, column, faps, names, simple
+from mien.vocabulary.fap import PER_UNIT, column, faps, simple
 from mien.vocabulary.fapu import Fapu, measure
 
 NEEDED = (CHIN, *LIPS, *OUTER_LIPS, "9.15")
 """Points without which a face cannot be driven by FAPs."""
 LIDS = (19, 20, 21, 22)
 """FAPs of the upper lids, left and right, then the lower."""
-SLIDES = tuple(f"slide_{faps()[number].name.removeprefix('close_')}" for number in LIDS)
-"""What carries each lid round the eyeball on its way."""
-_TARGETS = (*names(), *SLIDES)
-_MEET = ((4, 5), (8, 10), (9, 11))
-"""FAPs of an upper lip, down, and the lower lip, up, that meet."""
+CORNERS = ((6, 53), (7, 54))
+"""FAPs that stretch the left and the right corner of the mouth: inner and outer edge of the lips."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -46,7 +40,8 @@ class FapBasis:
     fields: NDArray[np.float32]
     """(66, V, 3) mm at a value of 1; zero for what turns, and what the face has no point for."""
     slides: NDArray[np.float32]
-    """(4, V, 3) mm that each of LIDS is carried round the eyeball half-way."""
+    """(6, V, 3) mm that each of LIDS is carried round the eyeball half-way, and that each of
+    CORNERS goes back along the arch of the lips when it is stretched as far as it goes."""
     closed: float
     """Value at which the lips' inner edges have met."""
 
@@ -75,7 +70,9 @@ def fap_basis(face: Face) -> FapBasis:
     for number in LIDS:
         if number in eyes:
             fields[column(number)] = eyes[number][0] / PER_UNIT
-    slides = np.stack([eyes[n][1] if n in eyes else np.zeros_like(face.vertices) for n in LIDS])
+    still = np.zeros_like(face.vertices)
+    slides = [eyes[number][1] if number in eyes else still for number in LIDS]
+    slides += [_along_the_arch(face, fields, edges) for edges in CORNERS]
     everything = np.concatenate([fields, slides])
     fap_parts.cling(face, everything, body.part)
     gap = max(float(face.point("2.2")[1] - face.point("2.3")[1]), 0.0)
@@ -86,6 +83,18 @@ def fap_basis(face: Face) -> FapBasis:
         slides=everything[len(fields) :].astype(np.float32),
         closed=gap / fapu.philtrum * PER_UNIT,
     )
+
+
+def _along_the_arch(face: Face, fields: Array, edges: tuple[int, int]) -> Array:
+    """(V, 3) mm forwards or back, at the stretch of a corner that is the farthest: lips lie on an
+    arch through their middle and corners."""
+    middle, left, right = (face.point(fdp) for fdp in ("2.2", "2.4", "2.5"))
+    half = (left[0] - right[0]) / 2.0
+    bend = (middle[2] - (left[2] + right[2]) / 2.0) / half**2
+    aside = sum(faps()[number].reach * fields[column(number), :, 0] for number in edges)
+    back = np.zeros_like(face.vertices)
+    back[:, 2] = -2.0 * bend * face.vertices[:, 0] * aside
+    return back
 
 
 def _along(fdp: str, axis: int) -> list[int]:
@@ -150,50 +159,3 @@ def _move_eyes(face: Face, fapu: Fapu, fields: Array) -> None:
         fields[column(thrust), fap_parts.eyeball(face, side), 2] = 1.0
         if np.isfinite(fapu.iris):
             fields[column(widen)] = fap_parts.widened_pupil(face, side, fapu.iris)
-
-
-@lru_cache(maxsize=8)
-def basis_of(character: Character) -> FapBasis:
-    """The basis of a character's face, kept: do not write into it."""
-    return fap_basis(character.face)
-
-
-def is_fap(name: str) -> bool:
-    """Whether ``name`` is one of ``fap_models``'."""
-    return name in _TARGETS
-
-
-@lru_cache(maxsize=8)
-def fap_models(character: Character) -> KeyModels:
-    """The morph targets by which FAPs drive a character: each FAP that moves something at the
-    strongest a face can do it (``Fap.upper``), then the slides of the lids. Kept, as above."""
-    basis = basis_of(character)
-    upper = np.array([fap.upper for fap in simple()], dtype=np.float32)
-    fields = np.concatenate([basis.fields * upper[:, None, None], basis.slides])
-    moving = [i for i, field in enumerate(fields) if field.any()]
-    return KeyModels(tuple(_TARGETS[i] for i in moving), fields[moving])
-
-
-def fap_weights(character: Character, values: Array) -> Array:
-    """Weights (F, W) of ``fap_models`` at FAP ``values`` (F, 66): lips and lids that have met
-    press no further, and lids slide on the eyeball as they move."""
-    basis, models = basis_of(character), fap_models(character)
-    met = met_values(values, basis.closed)
-    upper = np.array([fap.upper for fap in simple()])
-    part = met[:, [column(number) for number in LIDS]] / PER_UNIT
-    weights = np.concatenate([met / upper, 4.0 * part * (1.0 - part)], axis=1)
-    return weights[:, [_TARGETS.index(name) for name in models.names]]
-
-
-def met_values(values: Array, closed: float = 0.0) -> Array:
-    """``values`` (F, 66) with lips and lids that would pass through each other stopped where they
-    meet: lips give way by halves (``closed`` is the value at which they touch), the upper lid
-    rests on the lower."""
-    met = np.array(values, dtype=float)
-    for above, below in _MEET:
-        pair = [column(above), column(below)]
-        past = np.maximum(met[:, pair].sum(axis=1) - closed, 0.0)
-        met[:, pair] -= past[:, None] / 2.0
-    for above, below in zip(LIDS[:2], LIDS[2:], strict=True):
-        met[:, column(above)] = np.minimum(met[:, column(above)], PER_UNIT - met[:, column(below)])
-    return met

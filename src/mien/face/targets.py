@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from mien.face.character import Character, KeyModels
-from mien.face.fap_basis import fap_models, is_fap
+from mien.face.fap_targets import fap_models, is_fap
 from mien.face.pieces import split
 
 

@@ -4,10 +4,11 @@
     C       what each FAP does there, at the performer's size          C_fap (face.fap_basis)
     alpha   values of the FAPs, under what faces can do                alpha, alpha_l, alpha_u
 
-    minimise  sum_qx ((C alpha - S)_qx / sigma_qx)^2 + sum_i (alpha_i / usual_i)^2
+    minimise  sum_qx ((C alpha - S)_qx / sigma_qx)^2 + sum_r ((K alpha)_r / usual_r)^2
 
-The second sum is ours: along the line of sight nothing is measured, and a FAP that shows in nothing
-that was measured is at rest. Where the points are sure it counts for nothing.
+The second sum is ours, and counts for nothing where the points are sure: along the line of sight
+nothing is measured, and a FAP that shows in nothing that was measured is at rest; the two edges of
+a lip go together, and a lower lip that falls far has a jaw that falls with it.
 """
 
 from __future__ import annotations
@@ -21,7 +22,8 @@ from numpy.typing import NDArray
 from mien.errors import InputError
 from mien.face.character import Character
 from mien.face.face import Face
-from mien.face.fap_basis import FapBasis, basis_of, fap_models, fap_weights
+from mien.face.fap_basis import FapBasis
+from mien.face.fap_targets import basis_of, fap_models, fap_weights
 from mien.face.library import generic_face
 from mien.mapping.joint import head_on_neck
 from mien.mapping.settings import Settings
@@ -36,6 +38,16 @@ Array = NDArray[np.float64]
 
 _USUAL = 0.5
 """What a FAP usually does, of what it can do at most."""
+_KIN = (
+    *(({52: 1.0, 5: -1.0}, 120.0), ({57: 1.0, 10: -1.0}, 120.0), ({58: 1.0, 11: -1.0}, 120.0)),
+    *(({51: 1.0, 4: -1.0}, 120.0), ({55: 1.0, 8: -1.0}, 120.0), ({56: 1.0, 9: -1.0}, 120.0)),
+    *(({53: 1.0, 6: -1.0}, 50.0), ({54: 1.0, 7: -1.0}, 50.0)),
+    *(({59: 1.0, 12: -1.0}, 120.0), ({60: 1.0, 13: -1.0}, 120.0)),
+    *(({5: 1.0, 3: 1.0}, 250.0), ({10: 1.0, 3: 0.9}, 250.0), ({11: 1.0, 3: 0.9}, 250.0)),
+    *(({12: 1.0, 3: 0.3}, 250.0), ({13: 1.0, 3: 0.3}, 250.0)),
+)
+"""Sums of FAPs that are usually small, and how small: outer edges of the lips against the inner,
+the lower lip and the corners against the jaw."""
 _FEWEST = 8
 _NOT_SKIN = frozenset({"3.5", "3.6", "7.1"})
 """Pupils turn with the gaze and the neck with the head."""
@@ -74,14 +86,18 @@ class FapProgramme:
         self.rows: Rows = compare(header, common)
         neutral = header.neutral[self.rows.points]
         fields = _at_size(common, neutral, basis, face)
-        reach = np.array([max(-fap.lower, fap.upper) for fap in simple()])
-        self._solved = np.flatnonzero(fields.any(axis=(1, 2)) & (reach > 0))
+        reach = np.array([fap.reach for fap in simple()])
+        # A FAP whose own point was not measured would only be moved by others' leavings.
+        known = np.array([fap.point in common for fap in simple()])
+        self._solved = np.flatnonzero(fields.any(axis=(1, 2)) & known)
         self._reach = reach[self._solved]
         stretch = max(self.settings.gain, 1.0)
         bounds = np.array([(fap.lower, fap.upper) for fap in simple()])[self._solved]
         self.lower, self.upper = stretch * bounds.T / self._reach
         self.fields = self.rows(fields[self._solved]) * self._reach[:, None, None]
         self._sight = Sight(self.fields, self.rows.precision)
+        self._prior = _prior()[np.ix_(self._solved, self._solved)]
+        self._prior *= self._reach[:, None] * self._reach
 
     def problem(self, performance: Performance, part: slice) -> tuple[Array, Array]:
         """Hessians (U, N, N), U = 1 where all frames share one, and linear parts (F, N), in parts
@@ -89,8 +105,7 @@ class FapProgramme:
         sight = seen(performance.unseen[part])
         alike = bool((sight == sight[:1]).all())
         gram = self._sight.gram(sight[:1] if alike else sight)
-        hessian = gram + np.eye(len(self._solved)) / _USUAL**2
-        return hessian, -self._sight.onto(self._motion(performance, part), sight)
+        return gram + self._prior, -self._sight.onto(self._motion(performance, part), sight)
 
     def __call__(self, performance: Performance) -> FapFit:
         """The FAPs of every frame, lids as the performer's closures tell where they do, head and
@@ -169,6 +184,18 @@ def fap_values(performance: Performance) -> Array:
         return performance.shapes
     generic = generic_face()
     return FapProgramme(performance, basis_of(generic), generic.face)(performance).values
+
+
+def _prior() -> Array:
+    """(66, 66) quadratic form of what FAPs usually do, per value squared."""
+    reach = np.array([fap.reach for fap in simple()])
+    prior = np.diag((_USUAL * reach) ** -2.0)
+    for together, usual in _KIN:
+        row = np.zeros(len(reach))
+        for number, factor in together.items():
+            row[column(number)] = factor / usual
+        prior += np.outer(row, row)
+    return prior
 
 
 def _at_size(points: Sequence[str], neutral: Array, basis: FapBasis, face: Face) -> Array:

@@ -72,6 +72,11 @@ class Fap:
         """Of the motion along or about its axis."""
         return -1.0 if "-" in self.motion else 1.0
 
+    @property
+    def reach(self) -> float:
+        """The farthest it goes, in either direction."""
+        return max(-self.lower, self.upper)
+
     def size(self, fapu: Fapu) -> float:
         """Millimetres, or radians, of a value of 1."""
         if self.unit == "AU":
