@@ -46,8 +46,10 @@ class Character:
     """Key models that shut eyes: they split into sides but not into regions, for a lid is one."""
     meanings: Mapping[str, str] = field(default_factory=dict)
     """Key models that stand for a key model of the generic face, whatever they move."""
-    speaks: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
-    """Vocabularies such as "arkit": its names, and the key models that answer to them."""
+    speaks: Mapping[str, Mapping[str, tuple[str, ...]]] = field(default_factory=dict)
+    """Vocabularies such as "arkit": its names, and the key models that answer to each."""
+    looks: Mapping[str, str] = field(default_factory=dict)
+    """Key models that turn both eyes "left", "right", "up" and "down", where no node does."""
     origin: Origin | None = None
     """The file it was imported from, where that can be animated as it is."""
 

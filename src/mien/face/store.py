@@ -9,6 +9,7 @@
     point_vertices   uint32  (P, 3), and point_weights float32 (P, 3)
     key_vertices     uint32  (M,) moved vertices of all key models, one key after the other
     key_steps        int16   (M, 3) their displacements in steps of the key's scale
+    source           uint8   the GLB it was imported from, where it was (``face.driving``)
 
 Only what a key model moves is kept. Steps are rounded to nearest, so mirrored displacements stay
 mirrored.
@@ -29,6 +30,7 @@ from numpy.typing import NDArray
 
 from mien.errors import FormatError, InputError, OutputError
 from mien.face.character import Character, KeyModels
+from mien.face.driving import describe_driving, read_driving
 from mien.face.face import FOLLOWS, Array, Face, FeaturePoints, Ints, Material, Part
 
 FORMAT, VERSION = "mien character", 2
@@ -89,6 +91,7 @@ def write_character(path: Path | str, character: Character) -> None:
             name: {field: getattr(material, field) for field in Material.__slots__}
             for name, material in face.materials.items()
         },
+        "driving": describe_driving(character) if character.whole else None,
         "points": list(face.points.ids),
         "pivots": {name: np.asarray(place).tolist() for name, place in face.pivots.items()},
         "keys": [
@@ -107,6 +110,8 @@ def write_character(path: Path | str, character: Character) -> None:
         "key_vertices": np.concatenate([np.empty(0, "<u4"), *rows]).astype("<u4"),
         "key_steps": np.concatenate([np.empty((0, 3), "<i2"), *steps]).astype("<i2"),
     }
+    if character.origin is not None:
+        arrays["source"] = np.frombuffer(character.origin.glb, np.uint8)
     text = np.frombuffer(json.dumps(about, sort_keys=True).encode(), np.uint8)
     beside = path.with_name(f".{path.name}.part")
     try:
@@ -128,7 +133,10 @@ def read_character(path: Path | str) -> Character:
                 name: _read_array(archive, name, dtype, columns)
                 for name, (dtype, columns) in _ARRAYS.items()
             }
-        return _assemble(about, arrays)
+            glb = None
+            if "source.npy" in archive.namelist():
+                glb = _read_array(archive, "source", "|u1", 0).tobytes()
+        return _assemble(about, arrays, glb)
     except FileNotFoundError as error:
         raise InputError(f"{path}: no such file") from error
     except OSError as error:
@@ -176,7 +184,9 @@ def _unpack_keys(listed: list[Any], arrays: dict[str, NDArray[Any]], vertices: i
     return KeyModels(names, displacements)
 
 
-def _assemble(about: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> Character:
+def _assemble(
+    about: dict[str, Any], arrays: dict[str, NDArray[Any]], glb: bytes | None
+) -> Character:
     vertices = arrays["vertices"].astype(float)
     count = len(vertices)
     if not (np.abs(vertices) < _LARGEST_COORDINATE).all():
@@ -200,7 +210,8 @@ def _assemble(about: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> Charact
         pivots={name: _place(about["pivots"][name]) for name in PIVOTS},
         uv=arrays["uv"] / 65535.0 if len(arrays["uv"]) else None,
     )
-    return Character(_text(about["name"]), face, keys, examples)
+    driving = read_driving(about["driving"], glb) if about.get("driving") else {}
+    return Character(_text(about["name"]), face, keys, examples, **driving)
 
 
 def _parts(

@@ -18,7 +18,7 @@ from mien.errors import FormatError, InputError
 
 Json = dict[str, Any]
 
-MAX_FILE = 512 * 2**20
+MAX_FILE = 128 * 2**20
 _MAX_JSON = 32 * 2**20
 _MAX_ITEMS = 200_000
 _JSON, _BIN = 0x4E4F534A, 0x004E4942

@@ -24,6 +24,9 @@ SIDES = ("left", "right", "both")
 _NOT_SKIN = frozenset({"3.5", "3.6", "7.1"})
 _STILL = 0.6
 """mm, on a face of the generic one's size: what moves no feature point as far is still."""
+_CARRIED = 0.1
+"""Part of what a shape moves farthest that its feature points move, to be an expression: what
+hides hair or ear rings carries them away."""
 _ONE_SIDED = 0.8
 """Part of its motion that a shape has on one side, to belong to it."""
 _SHUTS = 0.5
@@ -53,11 +56,8 @@ class Act:
     """mm the farthest feature point moves, on a face of the generic one's size."""
     shuts: tuple[float, float]
     """Part of the opening of the left and the right eye that it shuts."""
-
-    @property
-    def still(self) -> bool:
-        """It moves no feature point: hair, ears, a blush."""
-        return self.size < _STILL
+    still: bool
+    """It moves no feature point to speak of: hair, ears, a blush."""
 
     @property
     def confidence(self) -> float:
@@ -85,10 +85,12 @@ def measure(character: Character) -> tuple[Act, ...]:
     left, share = sided[:, 0] / total, regional / total[:, None]
     likeness = _cosines(motion, generic)
     size = np.sqrt(effort.max(axis=1))
+    farthest = np.linalg.norm(character.keys.displacements, axis=2).max(axis=1, initial=0.0)
+    still = (size < _STILL) | (size < _CARRIED * farthest * float(factors.mean()))
     return tuple(
         Act(
             name=name,
-            region="" if size[k] < _STILL else REGIONS[int(share[k].argmax())],
+            region="" if still[k] else REGIONS[int(share[k].argmax())],
             region_share=float(share[k].max()),
             side=_side(float(left[k])),
             left=float(left[k]),
@@ -96,6 +98,7 @@ def measure(character: Character) -> tuple[Act, ...]:
             likeness=float(likeness[k].max()),
             size=float(size[k]),
             shuts=(float(shuts[k, 0]), float(shuts[k, 1])),
+            still=bool(still[k]),
         )
         for k, name in enumerate(character.keys.names)
     )

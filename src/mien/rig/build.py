@@ -13,9 +13,11 @@ from mien.face.character import Character, KeyModels
 from mien.face.face import Array, Face, FeaturePoints, Ints, Material, Part
 from mien.face.model import Model
 from mien.face.origin import Origin
-from mien.rig.completion import LIDS, mirrored, on_surface, warped, with_pupils
+from mien.rig.completion import LIDS, balanced, mirrored, on_surface, warped, with_pupils
 from mien.rig.components import Ball, components, find_ball
+from mien.rig.openings import margins
 from mien.rig.picks import Picks
+from mien.rig.settle import settle
 from mien.vocabulary.fdp import feature_points
 
 _MATERIALS = {
@@ -24,6 +26,10 @@ _MATERIALS = {
     "other": Material(roughness=0.7, specular=0.25),
 }
 _EYES = ("eye_left", "eye_right")
+_CARRIED_AWAY = 0.6
+"""Widths from eye to eye: what carries a thing as far hides it, and is no expression."""
+_NEAR_DECAL = 0.15
+"""Widths from eye to eye within which a piece on the face takes a feature point."""
 PUPILS = 63.0
 """mm between the pupils of a face whose size does not count."""
 
@@ -46,27 +52,23 @@ class Upright:
         return np.asarray(away @ self.turn.T * self.scale)
 
 
-def build(model: Model, picks: Picks, unit: float | None) -> Character:
+def build(model: Model, picks: Picks, unit: float | None, *, seen: bool = False) -> Character:
     """``picks`` in the model's coordinates, ``unit`` millimetres in one of its units, None for a
-    face whose size does not count. Raises InputError where the picks cannot be a face's."""
+    face whose size does not count; ``seen`` where they were found by looking and the shapes may
+    know better. Raises InputError where the picks cannot be a face's."""
     upright = _upright(model, picks, unit)
-    whole = mirrored({name: upright(place) for name, place in picks.items()})
     vertices, triangles = upright(model.vertices), model.triangles
+    names, fields = _fields(model, upright)
+    whole = mirrored({name: upright(place) for name, place in picks.items()})
     part = components(vertices, triangles)
-    balls = _balls(vertices, part, whole)
     skin = _skin(vertices, triangles, part, whole)
-    places, pivots = warped(whole)
-    points = on_surface(places, vertices, skin)
-    eyes = None if balls is None else balls[0].vertices | balls[1].vertices
-    points = with_pupils(points, vertices, triangles, eyes)
-    if balls is None:
-        at = points.at(vertices)
-        pivots |= {
-            eye: at[points.index(lids)].mean(axis=0) - [0.0, 0.0, _behind(at, points, lids)]
-            for eye, lids in zip(_EYES, LIDS, strict=True)
-        }
-    else:
-        pivots |= {eye: ball.centre for eye, ball in zip(_EYES, balls, strict=True)}
+    balls = _balls(vertices, part, whole)
+    if seen:
+        on_skin = np.unique(skin)
+        acting = on_skin if fields[:, on_skin].any() else np.arange(len(vertices))
+        whole = settle(balanced(whole), vertices[acting], fields[:, acting], lids=balls is None)
+        whole |= _margins(vertices, triangles, on_skin, balls, whole)
+    points, pivots = _points(vertices, triangles, skin, fields, whole, balls)
     origin = (pivots["eye_left"] + pivots["eye_right"]) / 2.0
     order, parts = _parts(model, part, skin, balls)
     row = np.empty(len(order), dtype=np.int32)
@@ -80,15 +82,66 @@ def build(model: Model, picks: Picks, unit: float | None) -> Character:
         points=FeaturePoints(points.ids, row[points.vertices], points.weights),
         pivots={name: place - origin for name, place in pivots.items()},
     )
-    keys = _keys(model, upright, order)
     return Character(
         name=model.name,
         face=face,
-        keys=keys,
-        examples=keys.names,
+        keys=KeyModels(names, np.ascontiguousarray(fields[:, order])),
+        examples=names,
         whole=True,
         blinks=frozenset(),
         origin=_origin(model, upright, origin),
+    )
+
+
+def _points(
+    vertices: Array,
+    triangles: Ints,
+    skin: Ints,
+    fields: NDArray[np.float32],
+    picks: Picks,
+    balls: tuple[Ball, Ball] | None,
+) -> tuple[FeaturePoints, dict[str, Array]]:
+    """The feature points, dropped onto ``skin`` (T, 3), and the pivots."""
+    places, pivots = warped(picks)
+    points = on_surface(places, vertices, skin)
+    if not fields[:, np.unique(skin)].any():
+        points = _on_decals(points, places, vertices, triangles, fields)
+    if balls is not None:
+        eyes = balls[0].vertices | balls[1].vertices
+        pivots |= {eye: ball.centre for eye, ball in zip(_EYES, balls, strict=True)}
+        return with_pupils(points, vertices, triangles, eyes), pivots
+    at = points.at(vertices)
+    for eye, lids in zip(_EYES, LIDS, strict=True):
+        corners = at[points.index(lids)]
+        # An eye without a ball of its own turns half its width behind its lids.
+        depth = float(np.linalg.norm(corners[0] - corners[1])) / 2.0
+        pivots[eye] = corners.mean(axis=0) - np.array([0.0, 0.0, depth])
+    return points, pivots
+
+
+def _on_decals(
+    points: FeaturePoints,
+    places: dict[str, Array],
+    vertices: Array,
+    triangles: Ints,
+    fields: NDArray[np.float32],
+) -> FeaturePoints:
+    """Points moved from a still head onto eyes, brows and lips that lie on it as pieces of their
+    own, where such a piece is near."""
+    left, right = points.at(vertices)[points.index(("3.7", "3.12"))]
+    apart = float(np.linalg.norm(left - right))
+    sane = np.abs(fields).max(axis=(1, 2)) < _CARRIED_AWAY * apart
+    length = np.abs(fields[sane]).max(axis=(0, 2), initial=0.0)
+    acting = triangles[(length > 0)[triangles].any(axis=1)]
+    if not len(acting):
+        return points
+    decals = on_surface(places, vertices, acting)
+    away = np.linalg.norm(decals.at(vertices) - np.stack(list(places.values())), axis=1)
+    near = (away < _NEAR_DECAL * apart)[:, None]
+    return FeaturePoints(
+        points.ids,
+        np.where(near, decals.vertices, points.vertices),
+        np.where(near, decals.weights, points.weights),
     )
 
 
@@ -106,25 +159,23 @@ def _upright(model: Model, picks: Picks, unit: float | None) -> Upright:
                 ": left and right are the subject's own; swap the points' sides"
             )
     if unit is None:
-        apart = 2.0 * abs(upright(np.mean(eyes[: max(1, len(eyes))], axis=0))[0])
-        both = {n for n in picks if n in LIDS[0]} and {n for n in picks if n in LIDS[1]}
-        if both:
-            left, right = (
-                np.mean([upright(picks[n]) for n in lids if n in picks], axis=0) for lids in LIDS
-            )
-            apart = float(abs(left - right)[0])
-        unit = PUPILS / apart
+        unit = PUPILS / pupils_apart(picks)
     return replace(upright, scale=unit)
+
+
+def pupils_apart(picks: Picks) -> float:
+    """Distance between the middles of the eyes, in the picks' unit."""
+    middle = float(np.mean([place[0] for name, place in picks.items() if _is_middle(name)]))
+    aside = [
+        abs(np.mean([picks[n][0] for n in lids if n in picks]) - middle)
+        for lids in LIDS
+        if any(n in picks for n in lids)
+    ]
+    return float(2.0 * np.mean(aside))
 
 
 def _is_middle(name: str) -> bool:
     return feature_points()[name].mirror == name
-
-
-def _behind(at: Array, points: FeaturePoints, lids: tuple[str, ...]) -> float:
-    """How far behind its lids an eye turns that has no ball of its own: half its width."""
-    outer, inner = points.index(lids[:2])
-    return float(np.linalg.norm(at[outer] - at[inner])) / 2.0
 
 
 def _balls(vertices: Array, part: NDArray[np.intp], picks: Picks) -> tuple[Ball, Ball] | None:
@@ -136,6 +187,23 @@ def _balls(vertices: Array, part: NDArray[np.intp], picks: Picks) -> tuple[Ball,
     ]
     left, right = found
     return None if left is None or right is None else (left, right)
+
+
+def _margins(
+    vertices: Array,
+    triangles: Ints,
+    skin: NDArray[np.intp],
+    balls: tuple[Ball, Ball] | None,
+    picks: Picks,
+) -> dict[str, Array]:
+    """The lid margins of eyes that have balls."""
+    found: dict[str, Array] = {}
+    for (outer, inner, upper, lower), ball in zip(LIDS, balls or (), strict=False):
+        width = float(np.linalg.norm(picks[outer] - picks[inner]))
+        places = margins(vertices, triangles, skin, ball, width)
+        if places is not None:
+            found[upper], found[lower] = places
+    return found
 
 
 def _skin(vertices: Array, triangles: Ints, part: NDArray[np.intp], picks: Picks) -> Ints:
@@ -184,19 +252,15 @@ def _safe(name: str) -> str:
     return name[:100] or "part"
 
 
-def _keys(model: Model, upright: Upright, order: NDArray[np.intp]) -> KeyModels:
-    """Key models in an order of their content, so that nothing hangs on names or on the order in
-    which a file lists its shapes."""
+def _fields(model: Model, upright: Upright) -> tuple[tuple[str, ...], NDArray[np.float32]]:
+    """Names (K) and displacements (K, V, 3) in an order of their content, so that nothing hangs on
+    names or on the order in which a file lists its shapes."""
     turn = (upright.turn.T * upright.scale).astype(np.float32)
-    fields = {
-        shape.name: np.ascontiguousarray((model.dense(shape) @ turn)[order])
-        for shape in model.shapes
-        if shape.fields
-    }
+    fields = {s.name: np.ascontiguousarray(model.dense(s) @ turn) for s in model.shapes if s.fields}
     names = sorted(fields, key=lambda name: hashlib.sha256(fields[name].tobytes()).digest())
-    shape = (0, len(order), 3)
-    stacked = np.stack([fields[n] for n in names]) if names else np.zeros(shape, np.float32)
-    return KeyModels(tuple(names), stacked)
+    if not names:
+        return (), np.zeros((0, len(model.vertices), 3), np.float32)
+    return tuple(names), np.stack([fields[name] for name in names])
 
 
 def _origin(model: Model, upright: Upright, origin: Array) -> Origin | None:

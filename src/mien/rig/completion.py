@@ -43,6 +43,14 @@ def mirrored(picks: Picks) -> dict[str, Array]:
     return whole
 
 
+def balanced(picks: Picks) -> dict[str, Array]:
+    """``picks`` with each pair at the mean of both sides: what was found by looking errs on each
+    side by itself."""
+    known = feature_points()
+    flip = {name: picks.get(known[name].mirror, place) * _FLIP for name, place in picks.items()}
+    return {name: (place + flip[name]) / 2.0 for name, place in picks.items()}
+
+
 def warped(picks: Picks) -> tuple[dict[str, Array], dict[str, Array]]:
     """Places (3,) of all the feature points a face has on its skin, and of its pivots, before
     they are dropped onto it. ``picks`` in millimetres, upright, facing +z."""

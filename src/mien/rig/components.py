@@ -18,6 +18,8 @@ _REACH = 0.8
 _SIZES = (0.3, 2.0)
 """Radius of an eyeball in widths of its eye."""
 _FEWEST = 12
+_LARGEST = 0.15
+"""Radius of an eyeball, at most, in lengths of the whole."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,3 +71,32 @@ def _sphere(places: Array) -> tuple[Array, float, float]:
     radius = float(np.sqrt(max(found[3] + found[:3] @ found[:3], 0.0)))
     off = np.linalg.norm(local - found[:3], axis=1) - radius
     return origin + found[:3], radius, float(np.sqrt((off**2).mean()))
+
+
+def round_pair(vertices: Array, part: NDArray[np.intp]) -> list[Ball]:
+    """The two eyeballs of a head that is upright, by their being round and each other's mirror
+    image; empty where there are none."""
+    size = float(np.ptp(vertices, axis=0).max())
+    found: list[tuple[int, Array, float]] = []
+    for number in np.unique(part):
+        own = part == number
+        if own.sum() < _FEWEST:
+            continue
+        centre, radius, off = _sphere(vertices[own])
+        if off < _ROUND * radius and radius < _LARGEST * size:
+            found.append((int(number), centre, radius))
+    for i, (_, centre, radius) in enumerate(found):
+        for _, other, size_ in found[i + 1 :]:
+            apart = np.abs(centre - other)
+            level = apart[1:].max() < 0.3 * radius and abs(radius - size_) < 0.1 * radius
+            if level and apart[0] > 2.0 * radius:
+                return [_shells(part, found, middle, radius) for middle in (centre, other)]
+    return []
+
+
+def _shells(
+    part: NDArray[np.intp], found: list[tuple[int, Array, float]], middle: Array, radius: float
+) -> Ball:
+    """All round parts about ``middle``: white, iris, cornea."""
+    here = [n for n, centre, _ in found if np.linalg.norm(centre - middle) < 0.3 * radius]
+    return Ball(np.isin(part, here), middle)

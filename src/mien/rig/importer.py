@@ -1,0 +1,169 @@
+"""A character from somebody's file, ready to act."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from mien.errors import FormatError, InputError
+from mien.face.character import Character
+from mien.face.library import generic_face
+from mien.face.model import Model
+from mien.formats.character_folder import read_folder, read_obj_model
+from mien.formats.gltf_read import read_gltf
+from mien.formats.meshes import UNITS
+from mien.formats.vrm import LOOKS, read_vrm
+from mien.rig.acts import Act, blinks, measure
+from mien.rig.build import build, pupils_apart
+from mien.rig.picks import Picks, read_picks
+from mien.rig.spoken import arkit_keys, disagreements
+
+FORMATS: Mapping[str, Callable[[Path], Model]] = {
+    ".glb": read_gltf,
+    ".gltf": read_gltf,
+    ".vrm": read_vrm,
+    ".obj": read_obj_model,
+}
+"""How a file is read, by its ending; a folder holds OBJ files."""
+ANY_SIZE = "face"
+"""The unit of a face whose size does not count."""
+_HUMAN = (35.0, 110.0)
+"""mm between the pupils of what may be a face, where a file says metres."""
+_NOTHING = "nothing"
+
+
+@dataclass(frozen=True, slots=True)
+class Import:
+    """A character, and what was found out about it."""
+
+    character: Character
+    acts: tuple[Act, ...]
+    """Of its key models, in their order."""
+    notes: tuple[str, ...]
+    """What was mended, odd or doubtful, for a person to read."""
+
+
+def readable(path: Path) -> bool:
+    """Whether ``path`` is of a kind that is imported."""
+    return path.is_dir() or path.suffix.lower() in FORMATS
+
+
+def read_model(path: Path) -> Model:
+    """What a file or folder holds. Raises InputError, FormatError."""
+    if path.is_dir():
+        return read_folder(path)
+    if not path.exists():
+        raise InputError(f"{path}: no such file")
+    read = FORMATS.get(path.suffix.lower())
+    if read is None:
+        raise InputError(
+            f"{path}: characters come as {', '.join(FORMATS)} or a folder of OBJ files"
+        )
+    return read(path)
+
+
+def import_character(
+    path: Path,
+    *,
+    points: Path | None = None,
+    units: str | None = None,
+    meanings: Path | None = None,
+    name: str | None = None,
+) -> Import:
+    """Read a character and find out what it can do.
+
+    ``points`` is a file of feature points (found by looking otherwise), ``units`` "m", "cm",
+    "mm" ... or "face" where the size does not count, ``meanings`` a file that says what shapes
+    mean. Raises InputError, FormatError, NoFaceError, MissingExtraError.
+    """
+    model = read_model(path)
+    picks = read_picks(points) if points is not None else _seen(model, path)
+    unit = _unit(model, picks, units, path)
+    character = build(model, picks, unit, seen=points is None)
+    character = replace(character, name=name or model.name)
+    return finish(character, model, read_meanings(meanings, model))
+
+
+def finish(character: Character, model: Model, meanings: Mapping[str, str]) -> Import:
+    """Measure what each key model does, and choose by which ones it acts."""
+    acts = measure(character)
+    mixed = {shape.name for shape in model.shapes if len(shape.binds) > 1 and shape.expression}
+    looks = {way: key for way, key in LOOKS.items() if key in character.keys.names}
+    by_gaze = set(looks.values()) if model.hooks.vrm is not None else set()
+    acting = [
+        act.name
+        for act in acts
+        if meanings.get(act.name, "" if act.still else act.name)
+        and act.name not in mixed | by_gaze
+        and meanings.get(act.name) != _NOTHING
+    ]
+    rest = [act.name for act in acts if act.still and act.name not in meanings]
+    notes = [*model.notes, *disagreements(acts)]
+    if rest:
+        notes.append(f"no performance reaches {', '.join(sorted(rest))}: no feature point moves")
+    spoken = arkit_keys(acts)
+    character = replace(
+        character,
+        examples=tuple(acting),
+        blinks=blinks(tuple(act for act in acts if act.name in acting)),
+        meanings={key: word for key, word in meanings.items() if word != _NOTHING},
+        speaks={"arkit": spoken} if spoken else {},
+        looks=looks if by_gaze else {},
+    )
+    return Import(character, acts, tuple(notes))
+
+
+def read_meanings(path: Path | None, model: Model) -> Mapping[str, str]:
+    """A map file: [shapes] with lines "morph3" = "mouthSmileLeft" (a key model of the generic
+    face) or "nothing". Raises InputError, FormatError."""
+    if path is None:
+        return {}
+    try:
+        found = tomllib.loads(path.read_text("utf-8")).get("shapes")
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror or error})") from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
+        raise FormatError(f"{path}: not TOML ({error})") from error
+    if not isinstance(found, dict):
+        raise FormatError(f'{path}: has no [shapes]; write "its shape" = "mouthSmileLeft" there')
+    known = {*generic_face().keys.names, _NOTHING}
+    own = {shape.name for shape in model.shapes}
+    for shape, meaning in found.items():
+        if shape not in own:
+            raise InputError(f"{path}: the character has no shape '{shape[:60]}'")
+        if meaning not in known:
+            raise InputError(
+                f"{path}: '{str(meaning)[:60]}' is no movement mien knows; "
+                "see 'mien character list generic'"
+            )
+    return dict(found)
+
+
+def _seen(model: Model, path: Path) -> Picks:
+    from mien.rig.sight import find_points  # the renderer and the network behind it are heavy
+
+    return find_points(model, path)
+
+
+def _unit(model: Model, picks: Picks, units: str | None, path: Path) -> float | None:
+    """Millimetres in a unit of the file, None where the size does not count."""
+    if units == ANY_SIZE:
+        return None
+    if units is not None:
+        if units not in UNITS:
+            raise InputError(f"--units {units}: there are {', '.join(UNITS)} and {ANY_SIZE}")
+        return UNITS[units]
+    if model.unit is not None:
+        apart = pupils_apart(picks) * model.unit
+        if model.hooks.vrm is not None or _HUMAN[0] < apart < _HUMAN[1]:
+            return model.unit
+        raise InputError(
+            f"{path}: its unit cannot be told (in metres its eyes are {apart:.4g} mm apart); say "
+            f"--units {', '.join(UNITS)}, or {ANY_SIZE} where the size does not count"
+        )
+    raise InputError(
+        f"{path}: its unit cannot be told; say --units {', '.join(UNITS)}, or {ANY_SIZE} where the "
+        "size does not count"
+    )

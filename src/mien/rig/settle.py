@@ -1,0 +1,94 @@
+"""Feature points settled by what the shapes do: seams that a picture of the neutral hides.
+
+Where two lips or two lids touch, a point found by looking may lie on either. The shape that parts
+them tells.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mien.face.face import Array
+
+Fields = NDArray[np.float32]
+
+_LIDS = (("3.1", "3.3", "3.7", "3.11"), ("3.2", "3.4", "3.12", "3.8"))
+"""Upper and lower margin, outer and inner corner."""
+_LIPS = (
+    *(("2.2", "8.1", True), ("2.3", "8.2", False)),
+    *(("2.6", "8.5", True), ("2.7", "8.6", True), ("2.8", "8.7", False), ("2.9", "8.8", False)),
+)
+"""Inner and outer point of a lip, and whether it is the upper."""
+_ASIDE, _HIGH = 0.3, 0.9
+"""Widths of an eye within which its margins lie from the middle of its corners."""
+_TRAVELS = 0.15
+"""Widths of an eye a lid travels, to be known by it."""
+_PARTED = 0.04
+"""Widths of the mouth by which a shape must part the lips, to tell them from each other."""
+
+
+def settle(
+    places: dict[str, Array], vertices: Array, fields: Fields, *, lids: bool
+) -> dict[str, Array]:
+    """``places`` (3,) by FDP id with lid margins and inner lips where ``fields`` (K, V, 3) show
+    them to be; ``vertices`` (V, 3), upright; ``lids`` False leaves the margins."""
+    found = dict(places)
+    if not len(fields):
+        return found
+    for margins in _LIDS if lids else ():
+        if all(name in places for name in margins):
+            _settle_lids(found, margins, vertices, fields)
+    if all(name in places for name in ("8.1", "8.2", "8.3", "8.4")):
+        _settle_lips(found, vertices, fields)
+    return found
+
+
+def _settle_lids(
+    found: dict[str, Array], margins: tuple[str, str, str, str], vertices: Array, fields: Fields
+) -> None:
+    upper, lower, outer, inner = margins
+    middle = (found[outer] + found[inner]) / 2.0
+    width = float(np.linalg.norm(found[outer] - found[inner]))
+    away = np.abs(vertices - middle)
+    near = np.flatnonzero(
+        (away[:, 0] < _ASIDE * width) & (away[:, 1] < _HIGH * width) & (away[:, 2] < width)
+    )
+    if not len(near):
+        return
+    rise = fields[:, near, 1]
+    # What carries a thing away hides it: no lid travels farther than its eye is wide.
+    sane = np.abs(rise).max(axis=1) < 1.5 * width
+    falls = np.where(sane, -rise.min(axis=1), 0.0)
+    key = int(falls.argmax())
+    if falls[key] < _TRAVELS * width:
+        return
+    found[upper] = vertices[near[rise[key].argmin()]]
+    if rise[key].max() > 0.1 * falls[key]:
+        found[lower] = vertices[near[rise[key].argmax()]]
+
+
+def _settle_lips(found: dict[str, Array], vertices: Array, fields: Fields) -> None:
+    mouth = float(np.linalg.norm(found["8.3"] - found["8.4"]))
+    row = {name: _nearest(vertices, found[name]) for name in ("8.1", "8.2")}
+    parted = fields[:, row["8.1"], 1] - fields[:, row["8.2"], 1]
+    key = int(parted.argmax())
+    if parted[key] < _PARTED * mouth:
+        return
+    for inner, outer, upper in _LIPS:
+        if inner not in found or outer not in found:
+            continue
+        near = np.flatnonzero(np.linalg.norm(vertices - found[inner], axis=1) < 0.25 * mouth)
+        partner = "8.2" if upper else "8.1"
+        own = fields[key, _nearest(vertices, found[outer])]
+        other = fields[key, row[partner]]
+        mine = near[
+            np.linalg.norm(fields[key, near] - own, axis=1)
+            < np.linalg.norm(fields[key, near] - other, axis=1)
+        ]
+        if len(mine):
+            found[inner] = vertices[mine[_nearest(vertices[mine], found[inner])]]
+
+
+def _nearest(vertices: Array, place: Array) -> int:
+    return int(np.linalg.norm(vertices - place, axis=1).argmin())
