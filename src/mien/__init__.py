@@ -11,9 +11,10 @@ from types import ModuleType
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from mien.face.library import CHARACTERS, load_character
+    from mien.face.library import CHARACTERS
     from mien.formats.save import save
     from mien.recipe import animate, capture, film, load_performance, save_performance
+    from mien.rig.load import load_character
 
 __all__ = [
     "CHARACTERS",
@@ -28,7 +29,7 @@ __all__ = [
 
 _HOME = dict.fromkeys(__all__, "mien.recipe") | {
     "CHARACTERS": "mien.face.library",
-    "load_character": "mien.face.library",
+    "load_character": "mien.rig.load",
     "save": "mien.formats.save",
 }
 

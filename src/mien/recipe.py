@@ -14,7 +14,7 @@ from mien.capture.markers.perform import perform as perform_markers
 from mien.capture.shapes import motion_from_shapes
 from mien.errors import InputError, NoFaceError
 from mien.face.character import Character
-from mien.face.library import generic_face, load_character
+from mien.face.library import generic_face
 from mien.formats.fap import read_take, simple_take, write_take
 from mien.formats.lens import read_focal
 from mien.formats.livelink import read_livelink, write_livelink
@@ -26,10 +26,12 @@ from mien.formats.video import Video
 from mien.mapping import MAPPERS, Settings
 from mien.mapping.arkit import arkit_weights
 from mien.mapping.fap import fap_values
+from mien.mapping.spoken import pass_through, understood
 from mien.performance.curves import Curves
 from mien.performance.filters import smooth as smooth_curves
 from mien.performance.frame import Frame
 from mien.performance.performance import Performance
+from mien.rig.load import load_character
 
 Progress = Callable[[int, int | None], None]
 Way = TypeVar("Way")
@@ -157,10 +159,13 @@ def animate(
     """The curves with which ``character`` acts ``performance``.
 
     ``gain`` exaggerates (1 leaves as it is); ``smooth`` False leaves the detector's tremble in.
+    Weights that came under a vocabulary the character speaks pass as they are.
     Raises InputError.
     """
     if not isinstance(character, Character):
         character = load_character(character)
+    if understood(performance, character):
+        return pass_through(performance, character)
     performance = _moving(performance)
     mapper = _choose(MAPPERS, mapping, "mapping")(character, performance, Settings(gain=gain))
     curves = mapper(performance)

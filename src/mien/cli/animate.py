@@ -78,8 +78,9 @@ def add_acting_options(parser: argparse.ArgumentParser, output: str | None) -> N
 
 
 def run(options: argparse.Namespace) -> None:
-    from mien.face.library import CHARACTERS, load_character
+    from mien.face.library import CHARACTERS
     from mien.formats.save import place, save
+    from mien.rig.load import load_character
 
     characters = [load_character(name) for name in options.characters or CHARACTERS]
     plan = _plan(options, [character.name for character in characters])

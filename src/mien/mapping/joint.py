@@ -17,6 +17,7 @@ from mien.face.face import Face
 from mien.face.pieces import split
 from mien.mapping.examples import measure_examples
 from mien.mapping.lids import SCALARS, find_lids
+from mien.mapping.looks import look
 from mien.mapping.programme import Programme
 from mien.mapping.regional import RegionalCardinal
 from mien.mapping.settings import Settings
@@ -76,7 +77,7 @@ class JointMapper:
             character=self.character.name,
             names=self.pieces.names,
             time=performance.time,
-            weights=weights,
+            weights=look(weights, self.pieces.names, self.character.looks, performance.gaze),
             rotation=rotation,
             translation=translation,
             gaze=performance.gaze,
