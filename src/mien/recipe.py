@@ -26,6 +26,7 @@ from mien.formats.video import Video
 from mien.mapping import MAPPERS, Settings
 from mien.mapping.arkit import arkit_weights
 from mien.mapping.fap import fap_values
+from mien.mapping.looks import look
 from mien.mapping.spoken import pass_through, understood
 from mien.performance.curves import Curves
 from mien.performance.filters import smooth as smooth_curves
@@ -168,7 +169,7 @@ def animate(
         return pass_through(performance, character)
     performance = _moving(performance)
     mapper = _choose(MAPPERS, mapping, "mapping")(character, performance, Settings(gain=gain))
-    curves = mapper(performance)
+    curves = look(mapper(performance), character.looks)
     return smooth_curves(curves) if smooth else curves
 
 

@@ -78,14 +78,42 @@ def measure_examples(
     ]
     names = [model.keys.names.index(name) for name in character.examples]
     keys = face.points.at(model.keys.displacements[names])[:, on_face] * factors
+    keys = _as_meant(character, keys, common, points, neutral)
     regions, sides = region_masks(face, own[on_face]), side_masks(face, own[on_face])
     rows = [character.examples.index(character.keys.names[key]) for key in pieces.key]
     owner = np.array(rows, dtype=np.intp)
     if kind == "character":
         fields = face.points.at(pieces.displacements)[:, on_face] * factors
+        fields = keys[owner] if character.meanings else fields
     else:
         fields = keys[owner] * shares(pieces.cells, regions, sides)[..., None]
     return Examples(common, keys, fields, owner, regions[:, None] * sides[None])
+
+
+def _as_meant(
+    character: Character,
+    keys: Array,
+    common: Sequence[str],
+    points: Sequence[str],
+    neutral: Array,
+) -> Array:
+    """``keys`` (K, P, 3) with those that stand for a key model of the generic face moving as that
+    one does, at the performer's size."""
+    if not character.meanings:
+        return keys
+    generic, meant = generic_face(), keys.copy()
+    face = generic.face
+    place = {fdp: i for i, fdp in enumerate(points)}
+    shared = tuple(fdp for fdp in common if fdp in face.points.ids)
+    rows = face.points.index(shared)
+    rest = face.points.at(face.vertices)[rows]
+    factors = scales(shared, neutral[[place[fdp] for fdp in shared]], rest)
+    into = [common.index(fdp) for fdp in shared]
+    for k, name in enumerate(character.examples):
+        if name in character.meanings:
+            field = face.points.at(generic.keys[character.meanings[name]])
+            meant[k, into] = field[rows] * factors
+    return meant
 
 
 def _named_alike(character: Character) -> Character:

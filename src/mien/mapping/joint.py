@@ -17,7 +17,6 @@ from mien.face.face import Face
 from mien.face.pieces import split
 from mien.mapping.examples import measure_examples
 from mien.mapping.lids import SCALARS, find_lids
-from mien.mapping.looks import look
 from mien.mapping.programme import Programme
 from mien.mapping.regional import RegionalCardinal
 from mien.mapping.settings import Settings
@@ -77,7 +76,7 @@ class JointMapper:
             character=self.character.name,
             names=self.pieces.names,
             time=performance.time,
-            weights=look(weights, self.pieces.names, self.character.looks, performance.gaze),
+            weights=weights,
             rotation=rotation,
             translation=translation,
             gaze=performance.gaze,
