@@ -19,10 +19,11 @@ from mien.formats.gltf_container import Container, Json, open_gltf
 from mien.formats.gltf_read import read_gltf
 
 PRESETS: Mapping[str, str] = {
-    **dict(a="aa", i="ih", u="ou", e="ee", o="oh", blink="blink", neutral="neutral"),
-    **dict(blink_l="blinkLeft", blink_r="blinkRight", joy="happy", angry="angry", sorrow="sad"),
-    **dict(fun="relaxed", lookup="lookUp", lookdown="lookDown"),
-    **dict(lookleft="lookLeft", lookright="lookRight"),
+    **{"a": "aa", "i": "ih", "u": "ou", "e": "ee", "o": "oh", "neutral": "neutral"},
+    **{"blink": "blink", "blink_l": "blinkLeft", "blink_r": "blinkRight"},
+    **{"joy": "happy", "angry": "angry", "sorrow": "sad", "fun": "relaxed"},
+    **{"lookup": "lookUp", "lookdown": "lookDown"},
+    **{"lookleft": "lookLeft", "lookright": "lookRight"},
 }
 """Expressions of VRM 0.x by what VRM 1.0 calls them (UniVRM's table)."""
 LOOKS: Mapping[str, str] = {

@@ -64,7 +64,7 @@ def build(model: Model, picks: Picks, unit: float | None, *, seen: bool = False)
     skin = _skin(vertices, triangles, part, whole)
     balls = _balls(vertices, part, whole)
     if seen:
-        on_skin = np.unique(skin)
+        on_skin = np.unique(skin).astype(np.intp)
         acting = on_skin if fields[:, on_skin].any() else np.arange(len(vertices))
         whole = settle(balanced(whole), vertices[acting], fields[:, acting], lids=balls is None)
         whole |= _margins(vertices, triangles, on_skin, balls, whole)
