@@ -22,12 +22,8 @@ from mien.numeric.facing import ClosestPoints
 from mien.numeric.normals import vertex_normals
 from mien.numeric.procrustes import Similarity, align
 from mien.sculpt.transfer.outside import outside
-from mien.sculpt.transfer.skin import Skin
+from mien.sculpt.transfer.skin import Skin, on_skin
 
-_OFF_SKIN = frozenset({"3.5", "3.6", "7.1"})
-_OFF_GROUPS = frozenset({"6", "10", "11"})
-"""Tongue, ears and hair line: heads of other kinds have them elsewhere."""
-_TEETH = frozenset({"9.8", "9.9", "9.10", "9.11"})
 _FEWEST = 8
 
 _NEIGHBOURS = 8
@@ -66,13 +62,7 @@ class Correspondence:
 
 def shared_points(source: Face, target: Face) -> tuple[str, ...]:
     """FDP ids on the skin of both. Raises InputError where they are too few."""
-    common = tuple(
-        fdp
-        for fdp in source.points.ids
-        if fdp in target.points.ids
-        and fdp not in _OFF_SKIN | _TEETH
-        and fdp.partition(".")[0] not in _OFF_GROUPS
-    )
+    common = tuple(fdp for fdp in source.points.ids if fdp in target.points.ids and on_skin(fdp))
     if len(common) < _FEWEST:
         raise InputError(
             f"only {len(common)} feature points are known on this face; give at least {_FEWEST}"

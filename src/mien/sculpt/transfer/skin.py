@@ -1,7 +1,8 @@
 """The skin of a face as one surface.
 
 Files split vertices along the seams of a texture: what is one place becomes two that nothing holds
-together, and a face made of them tears. Here such vertices are one again.
+together, and a face made of them tears. Here such vertices are one again. The skin is what carries
+the feature points, whatever the parts are called.
 """
 
 from __future__ import annotations
@@ -10,17 +11,25 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import sparse
+from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from mien.face.face import Array, Face, Ints
 from mien.numeric.normals import vertex_normals
 
-SKIN = "skin"
-"""The part that deforms."""
+Index = NDArray[np.intp]
+
+_ELSEWHERE = frozenset({"3.5", "3.6", "7.1", "9.8", "9.9", "9.10", "9.11"})
+_GROUPS_ELSEWHERE = frozenset({"6", "10", "11"})
+"""Pupils, neck and teeth; tongue, ears and hair line: not on the skin of the face, or not at a
+place that another kind of head shares."""
 _ALIKE = 1e-3
 """mm between vertices that are one ..."""
 _FACING = 0.2
 """... if the cosine of their normals is at least this: closed lips touch and yet are two."""
+_ENOUGH = 0.1
+"""Share of the feature points that makes a connected piece part of the skin."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,41 +40,81 @@ class Skin:
     """(N, 3) mm in the head frame."""
     triangles: Ints
     """(T, 3) without those that welding made into lines."""
-    row: NDArray[np.intp]
-    """(V,) the welded vertex of each vertex of the part."""
-    first: int
-    """The part's first vertex in the face."""
+    rows: Index
+    """(M,) the face's vertices that are skin."""
+    welded: Index
+    """(M,) the vertex of this skin that each of them is."""
 
-    def spread(self, values: Array) -> Array:
-        """(..., V, 3) of the part's own vertices, from values (..., N, 3)."""
-        return np.asarray(values[..., self.row, :])
+    def spread(self, values: Array, count: int) -> Array:
+        """(..., count, 3) at all of a face's vertices, from values (..., N, 3); 0 off the skin."""
+        whole = np.zeros((*values.shape[:-2], count, values.shape[-1]), values.dtype)
+        whole[..., self.rows, :] = values[..., self.welded, :]
+        return whole
 
     def gather(self, values: Array) -> Array:
-        """(..., N, 3) from values (..., F, 3) of all the face's vertices."""
-        _, kept = np.unique(self.row, return_index=True)
-        return np.asarray(values[..., self.first + kept, :], dtype=float)
+        """(..., N, 3) from values (..., V, 3) at all of a face's vertices."""
+        _, kept = np.unique(self.welded, return_index=True)
+        return np.asarray(values[..., self.rows[kept], :], dtype=float)
+
+
+def on_skin(fdp: str) -> bool:
+    """Whether a feature point lies on the skin of the face."""
+    return fdp not in _ELSEWHERE and fdp.partition(".")[0] not in _GROUPS_ELSEWHERE
 
 
 def skin_of(face: Face) -> Skin:
-    """The welded skin of ``face``. Raises KeyError where it has none."""
-    part = face.part(SKIN)
-    places = face.vertices[part.first : part.last]
-    triangles = (part.triangles - part.first).astype(np.int32)
-    normals = vertex_normals(places, triangles)
-    parent = np.arange(len(places))
-    pairs = cKDTree(places).query_pairs(_ALIKE, output_type="ndarray")
-    alike = (normals[pairs[:, 0]] * normals[pairs[:, 1]]).sum(axis=1) > _FACING
-    for low, high in np.sort(pairs[alike], axis=1):
-        a, b = _root(parent, low), _root(parent, high)
-        parent[max(a, b)] = min(a, b)
-    roots = np.array([_root(parent, v) for v in range(len(places))])
-    kept, row = np.unique(roots, return_inverse=True)
-    welded = row[triangles]
-    whole = (welded != np.roll(welded, 1, axis=1)).all(axis=1)
-    return Skin(places[kept], welded[whole].astype(np.int32), row.ravel(), part.first)
+    """The skin of ``face``. Raises ValueError where no feature point is on any part."""
+    triangles = np.concatenate([p.triangles for p in face.parts if p.follows == "head"])
+    root = _weld(face.vertices, triangles.astype(np.int32))
+    piece = _pieces(root[triangles], len(face.vertices))
+    points = [k for k, fdp in enumerate(face.points.ids) if on_skin(fdp)]
+    if not points:
+        raise ValueError("no feature point on the skin")
+    at = piece[root[face.points.vertices[points, 0]]]
+    held = np.bincount(at, minlength=piece.max() + 1)
+    skin = held >= max(1.0, _ENOUGH * len(points))
+    own = root[triangles][skin[piece[root[triangles[:, 0]]]]]
+    whole = (own != np.roll(own, 1, axis=1)).all(axis=1)
+    used, local = np.unique(own[whole], return_inverse=True)
+    rows = np.flatnonzero(np.isin(root, used))
+    return Skin(
+        face.vertices[used],
+        local.reshape(-1, 3).astype(np.int32),
+        rows,
+        np.searchsorted(used, root[rows]),
+    )
 
 
-def _root(parent: NDArray[np.intp], vertex: int) -> int:
-    while parent[vertex] != vertex:
-        vertex = int(parent[vertex])
-    return vertex
+def _weld(vertices: Array, triangles: Ints) -> Index:
+    """(V,) the first of the vertices that each is one with."""
+    normals = vertex_normals(vertices, triangles)
+    pairs = cKDTree(vertices).query_pairs(_ALIKE, output_type="ndarray")
+    alike = pairs[(normals[pairs[:, 0]] * normals[pairs[:, 1]]).sum(axis=1) > _FACING]
+    label = _joined(alike[:, 0], alike[:, 1], len(vertices))
+    _, first = np.unique(label, return_index=True)
+    return np.asarray(first[label])
+
+
+def _pieces(triangles: Index, count: int) -> Index:
+    """(V,) number of the connected piece of each vertex."""
+    return _joined(triangles[:, :2].ravel(), triangles[:, 1:].ravel(), count)
+
+
+def _joined(here: Index, there: Index, count: int) -> Index:
+    edges = sparse.coo_matrix((np.ones(len(here)), (here, there)), (count, count))
+    return np.asarray(connected_components(edges, directed=False)[1])
+
+
+def pieces_beside(face: Face, skin: Skin) -> list[Index]:
+    """Vertices of each connected piece that the head carries and that is not skin."""
+    triangles = np.concatenate([p.triangles for p in face.parts if p.follows == "head"])
+    root = _weld(face.vertices, triangles.astype(np.int32))
+    piece = _pieces(root[triangles], len(face.vertices))[root]
+    free = np.ones(len(face.vertices), dtype=bool)
+    free[skin.rows] = False
+    for part in face.parts:
+        free[part.first : part.last] &= part.follows == "head"
+    rows = np.flatnonzero(free)
+    order = np.argsort(piece[rows], kind="stable")
+    ends = np.flatnonzero(np.diff(piece[rows][order])) + 1
+    return [run for run in np.split(rows[order], ends) if len(run)]
