@@ -14,6 +14,11 @@ Saver = Callable[[Path, Character, Curves], None]
 
 
 def _glb(path: Path, character: Character, curves: Curves) -> None:
+    if character.origin is not None:
+        from mien.formats.gltf_animated import write_animated
+
+        write_animated(path, character, curves)
+        return
     from mien.formats.glb import write_glb
 
     write_glb(path, character, curves)
