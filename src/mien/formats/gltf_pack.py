@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import struct
+from collections.abc import Sequence
 
 from mien.formats.gltf_container import Container, Json, referred
 
@@ -38,10 +39,10 @@ def packed(container: Container) -> bytes:
     return glb(document, b"".join(chunks))
 
 
-def glb(document: Json, binary: bytes) -> bytes:
-    """A GLB of ``document`` whose only buffer is ``binary``."""
+def glb(document: Json, binary: bytes, others: Sequence[Json] = ()) -> bytes:
+    """A GLB of ``document`` whose first buffer is ``binary``; ``others`` have no content."""
     if binary:
-        document = document | {"buffers": [{"byteLength": len(binary)}]}
+        document = document | {"buffers": [{"byteLength": len(binary)}, *others]}
     text = _padded(json.dumps(document, separators=(",", ":")).encode(), b" ")
     body = struct.pack("<I4s", len(text), b"JSON") + text
     if binary:
