@@ -27,7 +27,7 @@ NEEDED = (CHIN, *LIPS, *OUTER_LIPS, "9.15")
 LIDS = (19, 20, 21, 22)
 """FAPs of the upper lids, left and right, then the lower."""
 CORNERS = ((6, 53), (7, 54))
-"""FAPs that stretch the left and the right corner of the mouth: inner and outer edge of the lips."""
+"""FAPs that stretch the left and the right corner of the mouth: inner, then outer edge."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -93,7 +93,7 @@ class FapProgramme:
         self._reach = reach[self._solved]
         stretch = max(self.settings.gain, 1.0)
         bounds = np.array([(fap.lower, fap.upper) for fap in simple()])[self._solved]
-        self.lower, self.upper = stretch * bounds.T / self._reach
+        self.bounds = tuple(stretch * bounds.T / self._reach)
         self.fields = self.rows(fields[self._solved]) * self._reach[:, None, None]
         self._sight = Sight(self.fields, self.rows.precision)
         self._prior = _prior()[np.ix_(self._solved, self._solved)]
@@ -116,11 +116,12 @@ class FapProgramme:
         for first in range(0, frames, _CHUNK):
             part = slice(first, min(first + _CHUNK, frames))
             hessians, linear = self.problem(performance, part)
-            found = solve_boxes(hessians, linear, self.lower, self.upper)
-            kkt[part] = kkt_residual(hessians, linear, self.lower, self.upper, found)
+            found = solve_boxes(hessians, linear, *self.bounds)
+            kkt[part] = kkt_residual(hessians, linear, *self.bounds, found)
             residual[part] = self._residual(performance, part, found)
             values[part, self._solved] = found * self._reach
-        _close_lids(values, performance)
+        if not performance.vocabulary:
+            _close_lids(values, performance)
         return FapFit(
             with_head_and_gaze(values, performance.head()[0], performance.gaze), kkt, residual
         )
@@ -215,7 +216,7 @@ def _spread(places: Array) -> float:
 
 
 def _close_lids(values: Array, performance: Performance) -> None:
-    """Closures are better known than the margins' points: the upper lid does the rest."""
+    """Whoever looks knows closures better than the margins' points: the upper lid does the rest."""
     for name, (upper, lower) in _LIDS.items():
         if name in performance.scalars:
             shut = PER_UNIT * performance.scalars[name]
