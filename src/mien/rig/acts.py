@@ -69,6 +69,8 @@ class Act:
 
 def measure(character: Character) -> tuple[Act, ...]:
     """What each of the character's key models does, in their order."""
+    if not character.keys.names:
+        return ()
     face = character.face
     ids = tuple(fdp for fdp in face.points.ids if fdp not in _NOT_SKIN)
     own = face.points.at(face.vertices)
