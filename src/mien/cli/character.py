@@ -8,6 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from mien.cli import make
 from mien.cli.command import tell
 from mien.cli.results import results
 from mien.errors import InputError
@@ -19,10 +20,11 @@ if TYPE_CHECKING:
 def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "action",
-        choices=("list", "show", "export"),
+        choices=("list", "show", "export", "make"),
         help="list: what characters there are, and with a NAME what it can do; "
         "show: a sheet with all of it; "
-        "export: a GLB with its key models as morph targets",
+        "export: a GLB with its key models as morph targets; "
+        "make: key models for a face that has none",
     )
     parser.add_argument(
         "names", nargs="*", metavar="NAME", help="characters or character files (default: built-in)"
@@ -35,6 +37,18 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar="FOLDER|FILE",
         help="where NAME.png or NAME.glb goes, or a file for one character (default: %(default)s)",
     )
+    parser.add_argument(
+        "--shapes",
+        choices=make.SETS,
+        default=make.SETS[0],
+        help="which key models to make (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--points", type=Path, metavar="FILE", help="feature points of a face in another's file"
+    )
+    parser.add_argument(
+        "--units", metavar="UNIT", help="its unit: mm, cm, m ..., or face where size does not count"
+    )
 
 
 def run(options: argparse.Namespace) -> None:
@@ -42,6 +56,8 @@ def run(options: argparse.Namespace) -> None:
         _list(options)
     elif options.action == "show":
         _write(options, ".png", _sheet)
+    elif options.action == "make":
+        make.make_character(options)
     else:
         _write(options, ".glb", _model)
 

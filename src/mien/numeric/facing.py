@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numba import njit
@@ -150,5 +151,5 @@ def _on_triangle(p: Array, a: Array, b: Array, c: Array) -> tuple[float, float, 
 
 
 @njit(cache=True, nogil=True, inline="always")
-def _dot(a: Array, b: Array) -> float:
+def _dot(a: Array, b: Array) -> Any:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]

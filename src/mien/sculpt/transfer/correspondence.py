@@ -119,7 +119,7 @@ def eye_radius(face: Face, eye: str) -> float:
 def _fit(warped: Array, triangles: Ints, seen: NDArray[np.bool_], own: Skin) -> Array:
     """``warped`` (S, 3) drawn onto the target's skin where it is ``seen``, square to that skin:
     along it the feature points know better than closest places."""
-    laplacian = uniform_laplacian(triangles, len(warped))
+    laplacian = uniform_laplacian(triangles.astype(np.intp), len(warped))
     target = ClosestPoints(own.vertices, own.triangles)
     own_normals = vertex_normals(own.vertices, own.triangles)
     rows = np.flatnonzero(seen)

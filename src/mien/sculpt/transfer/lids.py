@@ -119,7 +119,7 @@ def _edge_distance(eye: Eye, own: Skin, rest: Opening) -> float:
 
 
 def _column(azimuth: Array) -> NDArray[np.intp]:
-    return np.clip(((azimuth + REACH) / STEP).astype(np.intp), 0, CELLS - 1)
+    return np.asarray(np.clip(((azimuth + REACH) / STEP).astype(np.intp), 0, CELLS - 1))
 
 
 def _warp(eye: Eye, posed: Array, now: Opening, upper: Array, lower: Array, edge: float) -> Array:

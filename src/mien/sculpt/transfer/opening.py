@@ -129,7 +129,7 @@ def _screen(eye: Eye, vertices: Array, triangles: Ints) -> tuple[NDArray[np.floa
     azimuth, elevation, distance = eye.polar(vertices)
     screen = np.stack([(azimuth + REACH) / STEP, (elevation + REACH) / STEP, distance], axis=-1)
     ahead = (np.abs(azimuth) < np.pi / 2)[triangles].all(axis=1)
-    return screen.astype(np.float32), ahead
+    return screen.astype(np.float32), np.asarray(ahead)
 
 
 def _joined_to_middle(free: Mask) -> Mask:

@@ -8,6 +8,7 @@ the feature points, whatever the parts are called.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,7 +52,7 @@ class Skin:
         whole[..., self.rows, :] = values[..., self.welded, :]
         return whole
 
-    def gather(self, values: Array) -> Array:
+    def gather(self, values: NDArray[np.floating[Any]]) -> Array:
         """(..., N, 3) from values (..., V, 3) at all of a face's vertices."""
         _, kept = np.unique(self.welded, return_index=True)
         return np.asarray(values[..., self.rows[kept], :], dtype=float)

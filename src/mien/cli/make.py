@@ -1,0 +1,70 @@
+"""Make key models for a face that has none."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from mien.cli.command import remark, tell
+from mien.cli.results import results
+from mien.errors import InputError
+
+if TYPE_CHECKING:
+    from mien.face.character import Character
+
+SETS = ("arkit", "mpeg4", "mien")
+
+
+def make_character(options: argparse.Namespace) -> None:
+    """NEUTRAL, the one name that is given, becomes a character with ``--shapes``."""
+    from mien.face.store import write_character
+    from mien.formats.glb import write_glb
+    from mien.sculpt.transfer.make import make
+    from mien.sculpt.transfer.shapes import driven, shape_sets, source_of
+
+    writers: Mapping[str, Callable[[Path, Character], None]] = {
+        ".npz": write_character,
+        ".glb": write_glb,
+    }
+    if len(options.names) != 1:
+        raise InputError("character make: name one neutral face")
+    neutral = _read(options)
+    output = _output(options, neutral.name)
+    if output.suffix.lower() not in writers:
+        raise InputError(f"-o {output}: make writes {' or '.join(writers)} files")
+    if output.exists() and Path(options.names[0]).exists() and output.samefile(options.names[0]):
+        raise InputError(f"-o {output}: that is the neutral itself; choose another name")
+    chosen = shape_sets()[options.shapes]
+    with results(output.parent) as claim:
+        remark(options, f"laying {chosen.source} on {neutral.name}")
+        made = make(neutral.face, source_of(chosen), chosen.names, neutral.name)
+        writers[output.suffix.lower()](claim(output.name), driven(made.character, options.shapes))
+    tell(
+        options,
+        {
+            "file": str(output),
+            "name": neutral.name,
+            "shapes": list(made.character.keys.names),
+            "notes": list(made.notes),
+        },
+        f"{neutral.name}: {len(made.character.keys.names)} key models",
+        *(f"  note: {note}" for note in made.notes),
+        str(output),
+    )
+
+
+def _read(options: argparse.Namespace) -> Character:
+    from mien.face.library import load_character
+    from mien.rig.importer import import_character, readable
+
+    path = Path(options.names[0])
+    if path.exists() and readable(path):
+        return import_character(path, points=options.points, units=options.units).character
+    return load_character(options.names[0])
+
+
+def _output(options: argparse.Namespace, name: str) -> Path:
+    given: Path = options.output
+    return given if given.suffix else given / f"{name}.npz"
