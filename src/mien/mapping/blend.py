@@ -24,7 +24,7 @@ WEIGHT = 0.15
 WANDER = 1.0
 """Root mean square change of a weight over a second, expected of its random walk."""
 _SAMPLE, _ROUNDS = 100, 4
-_LEAST = 1e-3
+LEAST = 1e-3
 """mm, the misfit is not taken for less: markers are glued to skin that folds."""
 
 
@@ -71,10 +71,6 @@ def learn_misfit(fields: Array, motion: Array, noise: Array, solve: Solver) -> f
     misfit = 1.0
     for _ in range(_ROUNDS):
         weights = solve(blend(fields, sample, noise**2 + misfit, 0.0))
-        misfit = left_over(sample - np.tensordot(weights, fields, axes=1), noise)
+        left = sample - np.tensordot(weights, fields, axes=1)
+        misfit = max(float((left**2).mean() - (noise**2).mean()), LEAST**2)
     return misfit
-
-
-def left_over(residual: Array, noise: Array) -> float:
-    """Variance of a coordinate of ``residual`` (F, P, 3) beyond ``noise`` (P,), mm²."""
-    return max(float((residual**2).mean() - (noise**2).mean()), _LEAST**2)

@@ -3,7 +3,8 @@
 A frame's pose is the rigid motion that lays the markers at rest on those seen, each trusted as
 far as it keeps its place: jig markers decide, the skin helps where a jig marker is hidden, and
 without a jig the calm skin (forehead, nose bridge) decides. Heads are heavy: the pose is smoothed
-by a running parabola, which follows any steady acceleration.
+by a running parabola, which follows any steady acceleration, over as long a window as the take's
+own head motion allows (Stein's unbiased risk estimate).
 
 [Z] §3 takes rotation from three jig markers and translation from the nose tip, frame by frame;
 it is kept for comparison (``by_nose_tip``). The nose tip is not at rest in the head, and three
@@ -16,14 +17,17 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import savgol_filter
+from scipy.signal import savgol_coeffs, savgol_filter
 
+from mien.numeric.noise import noise_of
 from mien.numeric.rotation import from_vector, to_vector
 
 Array = NDArray[np.float64]
 
-_STEADY = 1.0 / 6.0
-"""Seconds of the running parabola: no head nods as fast."""
+_WINDOWS = (0.05, 0.1, 0.2, 0.3, 0.5, 0.8, 1.3, 2.0)
+"""Seconds of the running parabola to choose from: as long as the head's motion allows."""
+_LEVER = 80.0
+"""mm, from the middle of a face to its rim: how far a radian moves it."""
 _SKIN = 0.05
 """What skin counts for beside a jig, of what its own calm would give it."""
 _ROUNDS = 8
@@ -113,14 +117,25 @@ def _fit(places: Array, shape: Array, trust: Array) -> HeadMotion:
 
 def _steady(motion: HeadMotion, centre: Array, rate: float) -> HeadMotion:
     """The motion through a running parabola, about ``centre`` (3,) of the markers."""
-    window = 2 * round(_STEADY * rate / 2.0) + 1
-    if window < 5 or len(motion.rotation) < window:
-        return motion
     middle = motion.rotation[len(motion.rotation) // 2]
-    vectors = savgol_filter(to_vector(middle.T @ motion.rotation), window, 2, axis=0)
-    path = savgol_filter(motion.translation + motion.rotation @ centre, window, 2, axis=0)
-    rotation = middle @ from_vector(vectors)
-    return HeadMotion(rotation, path - rotation @ centre)
+    vectors = to_vector(middle.T @ motion.rotation)
+    path = motion.translation + motion.rotation @ centre
+    pose = np.concatenate([_LEVER * vectors, path], axis=1)
+    windows = [2 * round(seconds * rate / 2.0) + 1 for seconds in _WINDOWS]
+    windows = [window for window in windows if 5 <= window <= len(pose)]
+    if not windows:
+        return motion
+    tries = [savgol_filter(pose, window, 2, axis=0) for window in windows]
+    pose = tries[int(np.argmin([_risk(pose, *each) for each in zip(tries, windows, strict=True)]))]
+    rotation = middle @ from_vector(pose[:, :3] / _LEVER)
+    return HeadMotion(rotation, pose[:, 3:] - rotation @ centre)
+
+
+def _risk(noisy: Array, smoothed: Array, window: int) -> float:
+    """Stein's unbiased estimate of the squared error of ``smoothed`` (F, 6), but for a constant."""
+    own = savgol_coeffs(window, 2)[window // 2]
+    noise = np.array([noise_of(column) for column in noisy.T])
+    return float((((noisy - smoothed) ** 2).mean(axis=0) + 2.0 * own * noise**2).sum())
 
 
 def _last(known: NDArray[np.bool_]) -> NDArray[np.intp]:

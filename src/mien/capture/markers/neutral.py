@@ -13,7 +13,7 @@ STRETCH = 0.3
 """Seconds: a single frame is noisy, and faces do not rest long."""
 _UNREST = 3.0
 """What stillness counts for against nearness to what the face mostly is, both in mm."""
-_LATE = 0.5
+_LATE = 2.0
 """mm that the end of the take counts for more than its beginning: takes begin at rest."""
 
 

@@ -1,0 +1,158 @@
+"""A performance becomes a dense surface: a databank's faces blended, the rest carried along [Z] §4.
+
+The motion of the performer's feature points is turned into the axes of the face it lands on,
+brought to the size of the databank (``databank_scale``), smoothed, blended (``blend``) and, with
+what the blend leaves over (``residual``), brought back to the performer's size.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter1d
+
+from mien.errors import InputError
+from mien.face.databank import Databank
+from mien.face.face import Face
+from mien.mapping.blend import Solver, blend, learn_misfit
+from mien.mapping.bounded import bounded
+from mien.mapping.genetic import genetic, repaired
+from mien.mapping.residual import believe, spread
+from mien.numeric.noise import noise_of
+from mien.numeric.procrustes import align
+from mien.performance.performance import Performance
+
+Array = NDArray[np.float64]
+
+SOLVERS: Mapping[str, Solver] = MappingProxyType(
+    {"bounded": bounded, "genetic": genetic, "repaired": repaired}
+)
+"""The first is the default."""
+_CALM = 0.021
+"""Seconds, standard deviation of the smoothing in time: faces move by less than 10 Hz."""
+_FEWEST = 8
+_PAIRS = (("8.3", "8.4"), ("4.5", "4.6"), ("9.3", "2.1"), ("5.3", "5.4"))
+"""Mouth corners, outer brows, nose tip and chin, cheek bones: a set of markers has no eyes."""
+_HARD = ("teeth", "gum", "tongue", "eye")
+
+
+@dataclass(frozen=True, slots=True)
+class Reconstruction:
+    """What F frames of a performance do to a face of the databank's topology.
+
+    The surface moves by sum_k weights_k displacement_k / scale + spread @ rest.
+    """
+
+    face: Face
+    """The face it lands on: the databank's, or the performer's own."""
+    bank: Databank
+    weights: Array
+    """(F, K) of the databank's faces."""
+    scale: float
+    """The databank's size over the performer's."""
+    spread: NDArray[np.float32]
+    """(V, P) how far each vertex follows each marker's share of the rest."""
+    rest: Array
+    """(F, P, 3) mm."""
+
+    def motion(self, frame: int) -> Array:
+        """(V, 3) mm, displacement from the neutral of ``face``, in its axes."""
+        blended = np.tensordot(self.weights[frame], self.bank.displacements, axes=1)
+        return np.asarray(blended / self.scale + self.spread @ self.rest[frame])
+
+
+def reconstruct(
+    performance: Performance,
+    bank: Databank,
+    *,
+    face: Face | None = None,
+    solver: str | Solver = "bounded",
+    smooth: bool = True,
+    residual: bool = True,
+) -> Reconstruction:
+    """The surface a performance shows, from the faces of ``bank``.
+
+    ``face`` is the performer's own neutral in the databank's topology; ``solver`` one of SOLVERS by
+    name, or another;
+    ``smooth`` takes the markers' noise out in time; ``residual`` False leaves the blend alone.
+    Raises InputError for an unknown solver, a face of another topology, or too few common points.
+    """
+    if isinstance(solver, str):
+        if solver not in SOLVERS:
+            raise InputError(f"--mapping {solver}: with a databank there are {', '.join(SOLVERS)}")
+        solver = SOLVERS[solver]
+    face = bank.face if face is None else face
+    if face.vertices.shape != bank.face.vertices.shape:
+        raise InputError(
+            f"a face of {len(face.vertices)} vertices and a databank of "
+            f"{len(bank.face.vertices)}; build both from the same generic mesh"
+        )
+    points = [p for p in performance.points if p in face.points.ids and p in bank.face.points.ids]
+    if len(points) < _FEWEST:
+        raise InputError(
+            f"{performance.source or 'the take'}: {len(points)} of its feature points are on "
+            f"{bank.name}; at least {_FEWEST} are needed"
+        )
+    rows = [performance.points.index(point) for point in points]
+    worn = performance.neutral[rows]
+    on_face = face.points.at(face.vertices)[face.points.index(points)]
+    scale = databank_scale(points, worn, bank.face)
+    motion = performance.motion[:, rows] @ align(worn, on_face).rotation.T
+    noise = np.full(len(points), max(noise_of(motion), 1e-4))
+    if smooth:
+        motion, left = calm(motion, _rate(performance))
+        noise = noise * left
+    fields = bank.face.points.at(bank.displacements)[:, bank.face.points.index(points)]
+    misfit = learn_misfit(fields, scale * motion, scale * noise, bounded)
+    problem = blend(fields, scale * motion, scale**2 * noise**2 + misfit, _rate(performance))
+    weights = solver(problem)
+    rest = np.zeros_like(motion)
+    if residual:
+        left_over = motion - np.tensordot(weights, fields, axes=1) / scale
+        rest = believe(left_over, on_face, noise)
+    felt = spread(face.vertices, on_face)
+    felt[_hard(face)] = 0.0
+    return Reconstruction(face, bank, weights, scale, felt, rest)
+
+
+def databank_scale(points: list[str], worn: Array, face: Face) -> float:
+    """[Z] §4.1: the mean of four ratios of distances between feature points, the databank's over
+    the performer's ``worn`` (P, 3); of those whose points are known. Raises InputError for none."""
+    theirs = face.points.at(face.vertices)[face.points.index(points)]
+    ratios = []
+    for first, second in _PAIRS:
+        if first in points and second in points:
+            i, j = points.index(first), points.index(second)
+            ratios.append(
+                float(np.linalg.norm(theirs[i] - theirs[j]) / np.linalg.norm(worn[i] - worn[j]))
+            )
+    if not ratios:
+        pairs = ", ".join(f"{first} and {second}" for first, second in _PAIRS)
+        raise InputError(f"no scale can be told: none of {pairs} is among the markers")
+    return float(np.mean(ratios))
+
+
+def calm(motion: Array, rate: float) -> tuple[Array, float]:
+    """Motion (F, P, 3) through a Gaussian in time, and the part of white noise that is left."""
+    width = _CALM * rate
+    impulse = np.zeros(2 * int(np.ceil(6 * width)) + 1)
+    impulse[len(impulse) // 2] = 1.0
+    left = float(np.linalg.norm(gaussian_filter1d(impulse, width)))
+    return np.asarray(gaussian_filter1d(motion, width, axis=0)), left
+
+
+def _rate(performance: Performance) -> float:
+    frames = len(performance)
+    return (frames - 1) / float(performance.time[-1] - performance.time[0]) if frames > 1 else 0.0
+
+
+def _hard(face: Face) -> NDArray[np.bool_]:
+    """(V,) what is no skin and must not bend."""
+    hard = np.zeros(len(face.vertices), dtype=bool)
+    for part in face.parts:
+        hard[part.first : part.last] = part.name.startswith(_HARD)
+    return hard
