@@ -3,10 +3,11 @@
 #   make demo    a recorded face drives all four characters; results in out/demo
 #   make test    the tests
 #   make check   style, types, layers
+#   make studio  the browser's side of 'mien studio' (needs Node)
 #   make clean   remove what make made
 
 .DEFAULT_GOAL := demo
-.PHONY: env demo test check format clean
+.PHONY: env demo test check format studio clean
 
 export UV_PYTHON_DOWNLOADS := never
 export UV_PROJECT_ENVIRONMENT := .venv
@@ -27,7 +28,7 @@ $(UV):
 # The lock names every package; the environment is as old as the newer of lock and project file.
 .venv/.synced: $(UV) uv.lock pyproject.toml
 	@echo "setting up the environment: a minute, a gigabyte"; begin=$$(date +%s); \
-	$(UV) sync --quiet --frozen --extra landmarks --extra scan --compile-bytecode --python $(or $(PYTHON),3) && \
+	$(UV) sync --quiet --frozen --extra landmarks --extra scan --extra studio --compile-bytecode --python $(or $(PYTHON),3) && \
 	touch $@ && \
 	echo "environment ready in $$(( $$(date +%s) - begin )) s"
 
@@ -46,6 +47,11 @@ check: env
 	@$(BIN)/ruff format --check --quiet .
 	@$(BIN)/mypy
 	@told=$$($(BIN)/lint-imports --no-logo --no-cache) || { echo "$$told"; exit 1; }
+
+# The page that 'mien studio' serves; the only thing here that needs Node.
+studio: env
+	@cd studio && npm ci --no-audit --no-fund --silent && \
+	../$(BIN)/python -m mien.live.studio.messages > src/messages.ts && npm run --silent build
 
 format: env
 	@$(BIN)/ruff check --fix --quiet .

@@ -29,6 +29,7 @@ from mien.performance.arkit_frame import ArkitFrame, performance_of
 from mien.performance.filters import Smoother
 from mien.performance.frame import Frame
 from mien.performance.performance import Performance
+from mien.performance.trace import Trace
 from mien.vocabulary.arkit import names
 
 
@@ -41,6 +42,8 @@ def smiling(frames: int = 12) -> list[ArkitFrame]:
 
 class Replayed:
     """A stepper that has seen it all before."""
+
+    trace = Trace()
 
     def __init__(self, performance: Performance) -> None:
         self._performance, self._frame = performance, 0

@@ -19,6 +19,7 @@ from mien.capture.track import KEPT, LandmarkTrack
 from mien.face.library import generic_face
 from mien.performance.frame import Frame
 from mien.performance.performance import Performance
+from mien.performance.trace import Trace
 
 LEARNING = 1.0
 """Seconds of a face from which its performer is learned."""
@@ -27,6 +28,9 @@ _LEAST_FRAMES = 8
 
 class Stepper(Protocol):
     """Follows one performer."""
+
+    trace: Trace
+    """What was seen in the last picture."""
 
     def step(self, frame: Frame) -> Performance | None:
         """What the performer does in ``frame``, as a performance of one frame; None until enough
@@ -50,12 +54,15 @@ class LandmarkStepper:
         self._seen: list[LandmarkTrack] = []
         self._last: Performance | None = None
         self._detector = Detector()
+        self.trace = Trace()
 
     def step(self, frame: Frame) -> Performance | None:
         """See Stepper."""
         found = self._detector.landmarks(frame.image, KEPT)
         if found is None:
+            self.trace = Trace(lost=True)
             return self._lost(frame.time)
+        self.trace = Trace(points=found[:, :2].astype(float))
         size = (frame.image.shape[1], frame.image.shape[0])
         now = LandmarkTrack(np.array([frame.time]), found[None], np.zeros(1, dtype=bool), size)
         if self._known is None:

@@ -10,7 +10,7 @@ import traceback
 from collections.abc import Sequence
 from importlib import metadata
 
-from mien.cli import animate, capture, character, demo, doctor, interruption, live
+from mien.cli import animate, capture, character, demo, doctor, interruption, live, studio
 from mien.cli.command import Command
 from mien.errors import MienError
 
@@ -18,6 +18,7 @@ COMMANDS: dict[str, Command] = {
     "animate": animate,
     "capture": capture,
     "live": live,
+    "studio": studio,
     "character": character,
     "demo": demo,
     "doctor": doctor,

@@ -45,15 +45,20 @@ _WHITE_PIXEL = base64.b64decode(
 """A PNG of 67 bytes."""
 
 
-def write_glb(path: Path, character: Character, curves: Curves | None = None) -> None:
+def write_glb(
+    path: Path,
+    character: Character,
+    curves: Curves | None = None,
+    names: tuple[str, ...] | None = None,
+) -> None:
     """Write ``character`` to ``path``, with one animation where ``curves`` are given.
 
     With curves the morph targets are those the curves name; a performer who never travels gets
-    no channel for it. Without, they are the key models as sculpted, and the face brings its
-    texture coordinates and a white picture for an artist to replace.
-    Raises OutputError; ValueError where the curves name a target the character has not.
+    no channel for it. Without, they are those of ``names``; without either, the key models as
+    sculpted, and the face brings its texture coordinates and a white picture for an artist to
+    replace. Raises OutputError; ValueError where a target is named that the character has not.
     """
-    scene = _laid_out(character, None if curves is None else curves.names)
+    scene = _laid_out(character, names if curves is None else curves.names)
     buffer = scene.buffer.branch()
     document: Json = {
         "asset": {"version": "2.0", "generator": "mien"},

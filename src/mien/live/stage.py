@@ -94,6 +94,10 @@ class Stage:
             ),
         )
 
+    def show(self, performance: Performance) -> Moment:
+        """The moment in one frame of a performance that is known already."""
+        return self._moment(float(performance.time[0]), performance)
+
     def learn(self) -> None:
         """Take the performer's next second as their rest."""
         self._begin = None

@@ -1,0 +1,257 @@
+"""The studio's server: what the page and it say, and what it refuses."""
+
+from __future__ import annotations
+
+import json
+import struct
+import time
+from collections.abc import Iterator
+from contextlib import ExitStack
+from dataclasses import asdict
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+pytest.importorskip("starlette", reason="the extra 'studio' is not installed")
+
+from starlette.testclient import TestClient, WebSocketTestSession
+from starlette.websockets import WebSocketDisconnect
+
+from mien.errors import InputError
+from mien.face.library import load_character
+from mien.face.pieces import split
+from mien.formats.recording import Recorder
+from mien.live.studio import messages, packet
+from mien.live.studio.adjust import Desk
+from mien.live.studio.messages import Adjust, Note, decode, encode
+from mien.live.studio.safety import LOOPBACK, Rules
+from mien.live.studio.server import MOST_PAGES, studio
+from mien.live.studio.shelf import Shelf
+from mien.performance.arkit_frame import ArkitFrame, performance_of
+from mien.performance.performance import Performance
+from mien.recipe import animate
+from mien.vocabulary.arkit import names
+
+STUDIO = Path(__file__).parents[2] / "studio"
+
+
+@pytest.fixture
+def shelf(tmp_path: Path) -> Shelf:
+    return Shelf(tmp_path / "shelf")
+
+
+@pytest.fixture
+def client(shelf: Shelf, tmp_path: Path) -> Iterator[TestClient]:
+    app = studio(shelf, Rules(LOOPBACK | {"testserver"}), tmp_path)
+    with TestClient(app, raise_server_exceptions=False) as client:
+        yield client
+
+
+def smiling(frames: int = 20) -> Performance:
+    shapes = np.zeros((frames, 52))
+    shapes[:, names().index("mouthSmileLeft")] = np.linspace(0.0, 0.9, frames)
+    return performance_of([ArkitFrame(i / 30, row) for i, row in enumerate(shapes)], "a test")
+
+
+def recorded(shelf: Shelf) -> str:
+    path = shelf.new_take()
+    recorder = Recorder(path, smiling())
+    recorder.write(smiling())
+    recorder.close()
+    return path.name
+
+
+def told(socket: WebSocketTestSession, kind: str) -> dict[str, object]:
+    """The next message of a kind; frames and others are passed over."""
+    while True:
+        message = socket.receive()
+        if message.get("text") and json.loads(message["text"])["kind"] == kind:
+            found: dict[str, object] = json.loads(message["text"])
+            return found
+
+
+def test_types_of_the_page_are_those_of_the_server() -> None:
+    written = (STUDIO / "src" / "messages.ts").read_text(encoding="utf-8")
+    assert written == messages.typescript(), "run 'make studio'"
+
+
+def test_messages_come_back() -> None:
+    adjust = Adjust("man", "smile_mouth_L", 1.5, False, None)
+    assert decode(json.dumps({"kind": "Adjust", **asdict(adjust)})) == adjust
+    assert json.loads(encode(Note("a", "info"))) == {"kind": "Note", "text": "a", "level": "info"}
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        "[]",
+        "null",
+        '{"kind": "Nothing"}',
+        '{"kind": "Learn", "more": 1}',
+        '{"kind": "Seek", "time": "soon", "playing": true}',
+        '{"kind": "Seek", "time": 1e300, "playing": true}',
+        '{"kind": "Cast", "characters": "man"}',
+        json.dumps({"kind": "Cast", "characters": ["a"] * 1000}),
+        '{"kind": "Look", "source": "elsewhere", "name": ""}',
+        "[" * 100_000,
+    ],
+)
+def test_messages_that_are_none_are_refused(text: str) -> None:
+    with pytest.raises(ValueError, match=r"\w"):
+        decode(text)
+
+
+def test_a_packet_says_its_own_layout() -> None:
+    toy = load_character("toy")
+    curves = animate(smiling(), toy)
+    body = packet.packet([packet.moment(1.5, 7.0, "following"), packet.character(3, curves)])
+    sections = dict(packet.unpack(body))
+    assert struct.unpack("<dfI", sections["MOMT"]) == (1.5, 7.0, 1)
+    numbers = np.frombuffer(sections["C003"], "<f4")
+    assert len(numbers) == 15 + len(split(toy).names)
+    np.testing.assert_allclose(numbers[:4], [0, 0, 0, 1], atol=1e-6)
+    with pytest.raises(ValueError, match="longer"):
+        list(packet.unpack(body[:-1]))
+
+
+def test_weights_are_pinned_muted_and_made_louder() -> None:
+    toy = load_character("toy")
+    curves = animate(smiling(), toy)
+    target = curves.names[int(np.argmax(curves.weights[-1]))]
+    row = curves.names.index(target)
+    desk = Desk()
+    for gain, muted, pinned, expected in (
+        (0.5, False, None, 0.5 * curves.weights[-1, row]),
+        (1.0, True, None, 0.0),
+        (1.0, False, 0.3, 0.3),
+        (1.0, False, None, curves.weights[-1, row]),
+    ):
+        desk.set(Adjust("toy", target, gain, muted, pinned))
+        assert desk({"toy": curves})["toy"].weights[-1, row] == pytest.approx(expected)
+
+
+def test_a_page_plays_a_take_and_exports_it(client: TestClient, shelf: Shelf) -> None:
+    name = recorded(shelf)
+    with client.websocket_connect("/live") as socket:
+        stage = told(socket, "StageSet")
+        assert stage["takes"] == [name]
+        socket.send_text(json.dumps({"kind": "Look", "source": "take", "name": name}))
+        socket.send_text(json.dumps({"kind": "Seek", "time": 99.0, "playing": False}))
+        weights = np.zeros(0)
+        for _ in range(200):
+            message = socket.receive()
+            if message.get("bytes") is None:
+                continue
+            sections = dict(packet.unpack(message["bytes"]))
+            place, length = struct.unpack("<dd", sections["PLAY"])
+            weights = np.frombuffer(sections["C000"], "<f4")[15:]
+            if place == length:
+                break
+    man = load_character("man")
+    smile = weights[split(man).names.index("smile_mouth_L")]
+    assert smile > 0.3
+    glb = client.get(f"/takes/{name}/man.glb")
+    assert glb.status_code == 200
+    assert glb.content[:4] == b"glTF"
+
+
+def test_a_page_that_errs_is_told_and_may_go_on(client: TestClient) -> None:
+    with client.websocket_connect("/live") as socket:
+        told(socket, "StageSet")
+        for text in (
+            "{",
+            '{"kind": "Look", "source": "video", "name": "../../secret.mp4"}',
+            '{"kind": "Cast", "characters": ["somebody"]}',
+        ):
+            socket.send_text(text)
+            assert told(socket, "Note")["level"] == "error"
+        socket.send_bytes(b"no picture")
+        assert told(socket, "Note")["level"] == "error"
+        socket.send_text('{"kind": "Cast", "characters": ["toy"]}')
+        actors = told(socket, "StageSet")["actors"]
+        assert [actor["name"] for actor in actors] == ["toy"]
+
+
+def test_characters_come_with_the_targets_of_their_weights(client: TestClient) -> None:
+    answer = client.get("/characters/toy.glb")
+    assert answer.content[:4] == b"glTF"
+    assert client.get("/characters/nobody.glb").status_code == 404
+    size = struct.unpack_from("<I", answer.content, 12)[0]
+    document = json.loads(answer.content[20 : 20 + size])
+    named = [mesh["extras"]["targetNames"] for mesh in document["meshes"] if "extras" in mesh]
+    assert set().union(*named) == set(split(load_character("toy")).names)
+
+
+def test_only_this_host_and_this_page_are_answered(client: TestClient) -> None:
+    assert client.get("/characters/toy.glb", headers={"host": "evil.example"}).status_code == 403
+    foreign = client.get("/characters/toy.glb", headers={"origin": "http://evil.example"})
+    assert foreign.status_code == 403
+    with (
+        pytest.raises(WebSocketDisconnect),
+        client.websocket_connect("/live", headers={"origin": "http://evil.example"}),
+    ):
+        pass
+    answer = client.get("/characters/toy.glb")
+    assert answer.headers["cross-origin-resource-policy"] == "same-origin"
+    assert "access-control-allow-origin" not in answer.headers
+
+
+def test_off_the_loopback_a_token_is_asked_for(shelf: Shelf, tmp_path: Path) -> None:
+    app = studio(shelf, Rules(frozenset(("testserver",)), token="secret"), tmp_path)
+    with TestClient(app) as client:
+        assert client.get("/characters/toy.glb").status_code == 403
+        assert client.get("/characters/toy.glb?token=wrong").status_code == 403
+        first = client.get("/characters/toy.glb?token=secret")
+        assert first.status_code == 200
+        assert "HttpOnly" in first.headers["set-cookie"]
+        # The cookie that came with it is enough from now on.
+        assert client.get("/characters/toy.glb").status_code == 200
+
+
+@pytest.mark.parametrize(
+    "name", ["..%2f..%2fsecret.take", "%2e%2e%2fsecret.take", ".take", "a.txt", "a%00.take"]
+)
+def test_names_do_not_lead_out_of_the_folder(client: TestClient, name: str, shelf: Shelf) -> None:
+    (shelf.folder.parent / "secret.take").write_bytes(b"secret")
+    answer = client.get(f"/takes/{name}")
+    assert answer.status_code in (400, 404)
+    assert answer.content != b"secret"
+
+
+def test_uploads_are_kept_whole_or_not_at_all(
+    client: TestClient, shelf: Shelf, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert client.put("/videos/a.mp4", content=b"film").json() == {"name": "a.mp4"}
+    assert (shelf.folder / "a.mp4").read_bytes() == b"film"
+    assert client.put("/videos/a.exe", content=b"film").status_code == 400
+    monkeypatch.setattr("mien.live.studio.shelf.LARGEST_UPLOAD", 10)
+    assert client.put("/videos/b.mp4", content=b"film" * 10).status_code == 400
+    assert [path.name for path in shelf.folder.iterdir()] == ["a.mp4"]
+
+
+def test_there_is_room_for_a_few_pages(client: TestClient) -> None:
+    with ExitStack() as stack:
+        for _ in range(MOST_PAGES):
+            stack.enter_context(client.websocket_connect("/live"))
+        with pytest.raises(WebSocketDisconnect), client.websocket_connect("/live"):
+            pass
+
+
+def test_a_flood_is_refused_and_forgiven(client: TestClient) -> None:
+    with client.websocket_connect("/live") as socket:
+        told(socket, "StageSet")
+        for _ in range(2000):
+            socket.send_text('{"kind": "Learn"}')
+        socket.send_text('{"kind": "Cast", "characters": ["woman"]}')
+        for _ in range(20):
+            time.sleep(0.05)
+            socket.send_text('{"kind": "Cast", "characters": ["woman"]}')
+        assert [actor["name"] for actor in told(socket, "StageSet")["actors"]] == ["woman"]
+
+
+def test_a_shelf_has_names_only_for_what_it_keeps(shelf: Shelf) -> None:
+    for name in ("../a.mp4", "/etc/passwd", "a/b.mp4", "", "x" * 300 + ".mp4"):
+        with pytest.raises(InputError):
+            shelf.video(name)
