@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mien.cli import make
+from mien.cli import imported, make
 from mien.cli.command import tell
 from mien.cli.results import results
 from mien.errors import InputError
@@ -16,14 +16,19 @@ from mien.errors import InputError
 if TYPE_CHECKING:
     from mien.face.character import Character
 
+_OUTPUT = Path("out/characters")
+
 
 def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "action",
-        choices=("list", "show", "export", "make"),
+        choices=("list", "show", "export", "import", "check", "make"),
         help="list: what characters there are, and with a NAME what it can do; "
         "show: a sheet with all of it; "
         "export: a GLB with its key models as morph targets; "
+        "import: a character file from a GLB, VRM or folder of OBJ files; "
+        "check: what is in such a file, what its shapes do and what looks wrong (-o X.png draws "
+        "it); "
         "make: key models for a face that has none",
     )
     parser.add_argument(
@@ -33,7 +38,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "-o",
         "--output",
         type=Path,
-        default=Path("out/characters"),
+        default=_OUTPUT,
         metavar="FOLDER|FILE",
         help="where NAME.png or NAME.glb goes, or a file for one character (default: %(default)s)",
     )
@@ -49,11 +54,19 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--units", metavar="UNIT", help="its unit: mm, cm, m ..., or face where size does not count"
     )
+    parser.add_argument(
+        "--map", type=Path, metavar="FILE", help="what shapes mean, where measuring them fails"
+    )
 
 
 def run(options: argparse.Namespace) -> None:
+    output = None if options.output == _OUTPUT else options.output
     if options.action == "list":
         _list(options)
+    elif options.action == "import":
+        imported.import_file(options, output)
+    elif options.action == "check":
+        imported.check_file(options, output)
     elif options.action == "show":
         _write(options, ".png", _sheet)
     elif options.action == "make":
@@ -63,7 +76,8 @@ def run(options: argparse.Namespace) -> None:
 
 
 def _list(options: argparse.Namespace) -> None:
-    from mien.face.library import CHARACTERS, load_character
+    from mien.face.library import CHARACTERS
+    from mien.rig.load import load_character
 
     characters = [load_character(name) for name in options.names or CHARACTERS]
     lines = []
@@ -94,7 +108,8 @@ def _list(options: argparse.Namespace) -> None:
 def _write(
     options: argparse.Namespace, ending: str, write: Callable[[Path, Character], None]
 ) -> None:
-    from mien.face.library import CHARACTERS, load_character
+    from mien.face.library import CHARACTERS
+    from mien.rig.load import load_character
 
     characters = [load_character(name) for name in options.names or CHARACTERS]
     folder, names = options.output, [f"{character.name}{ending}" for character in characters]
