@@ -146,12 +146,8 @@ def _on_decals(
 
 
 def _upright(model: Model, picks: Picks, unit: float | None) -> Upright:
-    eyes = [picks[name] for lids in LIDS for name in lids if name in picks]
-    nose = picks.get("9.3", picks.get("9.15"))
-    assert nose is not None
-    facing = 1 if nose[2] >= np.mean(eyes, axis=0)[2] else -1
     middles = [place[0] for name, place in picks.items() if _is_middle(name)]
-    upright = Upright(facing, 1.0, float(np.mean(middles)))
+    upright = Upright(facing(picks), 1.0, float(np.mean(middles)))
     for name in ("3.7", "3.12"):
         if name in picks and upright(picks[name])[0] * (1 if name == "3.7" else -1) <= 0:
             raise InputError(
@@ -161,6 +157,13 @@ def _upright(model: Model, picks: Picks, unit: float | None) -> Upright:
     if unit is None:
         unit = PUPILS / pupils_apart(picks)
     return replace(upright, scale=unit)
+
+
+def facing(picks: Picks) -> int:
+    """1 for a face that looks to +z, -1 for one that looks to -z: noses stick out."""
+    eyes = [picks[name][2] for lids in LIDS for name in lids if name in picks]
+    nose = picks["9.3"] if "9.3" in picks else picks["9.15"]
+    return 1 if nose[2] >= np.mean(eyes) else -1
 
 
 def pupils_apart(picks: Picks) -> float:

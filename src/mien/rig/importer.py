@@ -16,7 +16,7 @@ from mien.formats.gltf_read import read_gltf
 from mien.formats.meshes import UNITS
 from mien.formats.vrm import LOOKS, read_vrm
 from mien.rig.acts import Act, blinks, measure
-from mien.rig.build import build, pupils_apart
+from mien.rig.build import build, facing, pupils_apart
 from mien.rig.picks import Picks, read_picks
 from mien.rig.spoken import arkit_keys, disagreements
 
@@ -41,6 +41,8 @@ class Import:
     character: Character
     acts: tuple[Act, ...]
     """Of its key models, in their order."""
+    facing: int
+    """1 where it looks to +z in its own file, -1 to -z."""
     notes: tuple[str, ...]
     """What was mended, odd or doubtful, for a person to read."""
 
@@ -83,10 +85,12 @@ def import_character(
     unit = _unit(model, picks, units, path)
     character = build(model, picks, unit, seen=points is None)
     character = replace(character, name=name or model.name)
-    return finish(character, model, read_meanings(meanings, model))
+    return _finish(character, model, read_meanings(meanings, model), facing(picks))
 
 
-def finish(character: Character, model: Model, meanings: Mapping[str, str]) -> Import:
+def _finish(
+    character: Character, model: Model, meanings: Mapping[str, str], towards: int
+) -> Import:
     """Measure what each key model does, and choose by which ones it acts."""
     acts = measure(character)
     mixed = {shape.name for shape in model.shapes if len(shape.binds) > 1 and shape.expression}
@@ -112,7 +116,7 @@ def finish(character: Character, model: Model, meanings: Mapping[str, str]) -> I
         speaks={"arkit": spoken} if spoken else {},
         looks=looks if by_gaze else {},
     )
-    return Import(character, acts, tuple(notes))
+    return Import(character, acts, towards, tuple(notes))
 
 
 def read_meanings(path: Path | None, model: Model) -> Mapping[str, str]:

@@ -139,7 +139,9 @@ class _Stage:
             if away[best] < _STRAY**2:
                 triangle = self.triangles[ids[rows[best], columns[best]]]
                 places[i] = _on_triangle(
-                    screen[triangle, :2].astype(float), self._placed[triangle], (columns[best], rows[best])
+                    screen[triangle, :2].astype(float),
+                    self._placed[triangle],
+                    (columns[best], rows[best]),
                 )
         return places
 
