@@ -1,0 +1,160 @@
+"""How late a live face is, and how many weights a second arrive.
+
+    python benchmarks/live_latency.py [--video take.mp4] [--seconds 20] [--json]
+
+A page without a browser: pictures of a recording (the sample, when none is named) at 640x480 and
+30 a second go into the studio's socket as JPEG, weights come out of it. Lateness is from a
+picture's arrival at the server to its weights on the socket, as the server counts it, and from
+sending to receiving, as the page does; beside it the bare detector's time a frame on the same
+pictures in the same run.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import statistics
+import struct
+import tempfile
+import threading
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from importlib import resources
+from pathlib import Path
+
+import cv2
+import numpy as np
+from starlette.testclient import TestClient
+
+import mien
+from mien.capture.detector import Detector
+from mien.formats.sources import open_source
+from mien.live.studio import packet
+from mien.live.studio.safety import LOOPBACK, Rules
+from mien.live.studio.server import studio
+from mien.live.studio.shelf import Shelf
+from report import show
+
+SIZE, RATE = (640, 480), 30.0
+LEARNING = 2.0
+"""Seconds at the beginning that are left out: the performer is being learned."""
+
+
+def main() -> None:
+    """Run the benchmark as told on the command line."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--video", type=Path)
+    parser.add_argument("--capture", default="landmarks")
+    parser.add_argument("--seconds", type=float, default=20.0)
+    parser.add_argument("--json", action="store_true")
+    options = parser.parse_args()
+    if options.video is None:
+        with resources.as_file(resources.files("mien").joinpath("data", "sample.mp4")) as path:
+            pictures = jpegs(path)
+    else:
+        pictures = jpegs(options.video)
+
+    detector = detector_ms(pictures)
+    four = live(pictures, options.capture, list(mien.CHARACTERS), options.seconds)
+    one = live(pictures, options.capture, [mien.CHARACTERS[0]], options.seconds)
+    figures = {
+        "p50_ms": float(np.quantile(four.server, 0.5)),
+        "p95_ms": float(np.quantile(four.server, 0.95)),
+        "p99_ms": float(np.quantile(four.server, 0.99)),
+        "page_p50_ms": float(np.quantile(four.page, 0.5)),
+        "page_p95_ms": float(np.quantile(four.page, 0.95)),
+        "detector_ms": detector,
+        "limit_p95_ms": 1.3 * detector + 3.0,
+        "fps_one": one.rate,
+        "fps_four": four.rate,
+        "dropped": float(four.sent - len(four.server)),
+        "sent": float(four.sent),
+    }
+    show("live_latency", "Live, four characters on stage", figures, options.json)
+
+
+def jpegs(video: Path) -> list[bytes]:
+    """The frames of ``video``, cut to SIZE, as a page would send them."""
+    found = []
+    for frame in open_source(video):
+        height, width = frame.image.shape[:2]
+        scale = max(SIZE[0] / width, SIZE[1] / height)
+        image = cv2.resize(frame.image, None, fx=scale, fy=scale, interpolation=cv2.INTER_AREA)
+        left, top = (image.shape[1] - SIZE[0]) // 2, (image.shape[0] - SIZE[1]) // 2
+        image = image[top : top + SIZE[1], left : left + SIZE[0], ::-1]
+        found.append(cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, 80])[1].tobytes())
+    return found
+
+
+def detector_ms(pictures: Sequence[bytes]) -> float:
+    """Median milliseconds of the bare detector, decoded pictures in memory."""
+    images = [
+        cv2.imdecode(np.frombuffer(jpeg, np.uint8), cv2.IMREAD_COLOR)[:, :, ::-1].copy()
+        for jpeg in pictures[:200]
+    ]
+    spent = []
+    with Detector() as detector:
+        for image in images:
+            begin = time.perf_counter()
+            detector.landmarks(image)
+            spent.append(time.perf_counter() - begin)
+    return 1e3 * statistics.median(spent[10:])
+
+
+@dataclass
+class Run:
+    """What came back; milliseconds each."""
+
+    sent: int = 0
+    server: list[float] = field(default_factory=list)
+    page: list[float] = field(default_factory=list)
+    rate: float = 0.0
+
+
+def live(pictures: Sequence[bytes], capture: str, characters: list[str], seconds: float) -> Run:
+    """Send ``pictures`` in real time, over and over, for ``seconds``."""
+    run = Run()
+    way = {"kind": "Way", "capture": capture, "mapping": "cardinal", "gain": 1.0, "mirror": False}
+    with tempfile.TemporaryDirectory() as folder:
+        app = studio(Shelf(Path(folder)), Rules(LOOPBACK | {"testserver"}))
+        with TestClient(app) as client, client.websocket_connect("/live") as socket:
+            for message in (
+                way,
+                {"kind": "Look", "source": "camera", "name": ""},
+                {"kind": "Cast", "characters": characters},
+            ):
+                socket.send_text(json.dumps(message))
+            done = threading.Event()
+
+            def listen() -> None:
+                while not done.is_set():
+                    message = socket.receive()
+                    if message.get("bytes"):
+                        _count(run, dict(packet.unpack(message["bytes"])))
+
+            listening = threading.Thread(target=listen, daemon=True)
+            listening.start()
+            begin = time.perf_counter()
+            for number in range(round(seconds * RATE)):
+                while time.perf_counter() - begin < number / RATE:
+                    time.sleep(0.001)
+                now = time.perf_counter()
+                run.sent += now - begin > LEARNING
+                socket.send_bytes(struct.pack("<d", now) + pictures[number % len(pictures)])
+            time.sleep(0.5)
+            done.set()
+    run.rate = len(run.server) / (seconds - LEARNING)
+    return run
+
+
+def _count(run: Run, sections: dict[str, bytes]) -> None:
+    if "C000" not in sections or not run.sent:
+        return
+    sent, late, _ = struct.unpack("<dfI", sections["MOMT"])
+    run.server.append(late)
+    run.page.append(1e3 * (time.perf_counter() - sent))
+
+
+if __name__ == "__main__":
+    main()
