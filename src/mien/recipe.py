@@ -14,6 +14,8 @@ from mien.capture.markers.perform import perform as perform_markers
 from mien.capture.shapes import motion_from_shapes
 from mien.errors import InputError, NoFaceError
 from mien.face.character import Character
+from mien.face.databank import Databank, performer_face
+from mien.face.face import Face
 from mien.face.library import generic_face
 from mien.formats.fap import read_take, simple_take, write_take
 from mien.formats.lens import read_focal
@@ -21,13 +23,16 @@ from mien.formats.livelink import read_livelink, write_livelink
 from mien.formats.marker_file import holds_markers, read_markers, read_roles
 from mien.formats.mien_file import read_performance, write_performance
 from mien.formats.mp4 import Sound, write_mp4
+from mien.formats.obj_read import read_obj
 from mien.formats.sources import open_source
 from mien.formats.video import Video
 from mien.mapping import MAPPERS, Settings
 from mien.mapping.arkit import arkit_weights
 from mien.mapping.fap import fap_values
 from mien.mapping.looks import look
+from mien.mapping.reconstruct import reconstruct
 from mien.mapping.spoken import pass_through, understood
+from mien.mapping.surface import act_surface, told_points
 from mien.performance.curves import Curves
 from mien.performance.filters import smooth as smooth_curves
 from mien.performance.frame import Frame
@@ -171,6 +176,47 @@ def animate(
     mapper = _choose(MAPPERS, mapping, "mapping")(character, performance, Settings(gain=gain))
     curves = look(mapper(performance), character.looks)
     return smooth_curves(curves) if smooth else curves
+
+
+def animate_surface(
+    performance: Performance,
+    bank: Databank,
+    face: Face | None = None,
+    *,
+    mapping: str = "bounded",
+    smooth: bool = True,
+) -> tuple[Character, Curves]:
+    """The dense surface that a performance shows through the faces of a databank [Z], as a
+    character that acts it and its curves.
+
+    It lands on the databank's person, or on ``face``, the performer's own neutral of the same
+    topology (``load_performer``). ``mapping`` is "bounded", "genetic" or "repaired"; ``smooth``
+    False leaves the markers' noise in. Raises InputError.
+    """
+    surface = reconstruct(performance, bank, face=face, solver=mapping, smooth=smooth)
+    return act_surface(surface, performance, bank.name)
+
+
+def enrich(
+    performance: Performance, bank: Databank, *, mapping: str = "bounded", smooth: bool = True
+) -> Performance:
+    """``performance`` with the motion of every feature point of a databank's face, also of those
+    that wore no marker; for characters of any other mesh. As ``animate_surface``."""
+    surface = reconstruct(performance, bank, solver=mapping, smooth=smooth)
+    return told_points(surface, performance)
+
+
+def load_performer(path: str | Path, bank: Databank) -> Face:
+    """A performer's own neutral from an OBJ file in millimetres, in the databank's topology.
+
+    Raises InputError where it has another topology, FormatError where it is broken or in another
+    unit.
+    """
+    vertices = read_obj(Path(path)).vertices
+    try:
+        return performer_face(bank, vertices)
+    except ValueError as error:
+        raise InputError(f"{path}: {error}") from error
 
 
 def _moving(performance: Performance) -> Performance:

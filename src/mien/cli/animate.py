@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import os
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,6 +16,7 @@ from mien.cli.capture import (
     summarize,
     take_name,
 )
+from mien.cli.cast import cast_of
 from mien.cli.command import positive, remark, tell
 from mien.cli.progress import progress
 from mien.cli.results import results, spare
@@ -24,7 +25,6 @@ from mien.errors import InputError
 if TYPE_CHECKING:
     from mien.face.character import Character
     from mien.performance.curves import Curves
-    from mien.performance.performance import Performance
 
 PREVIEW = "preview.mp4"
 
@@ -64,8 +64,14 @@ def add_acting_options(parser: argparse.ArgumentParser, output: str | None) -> N
     parser.add_argument(
         "--mapping",
         metavar="NAME",
-        default="cardinal",
-        help="how motion becomes weights (default: %(default)s)",
+        help="how motion becomes weights (default: cardinal, or bounded with a databank)",
+    )
+    parser.add_argument(
+        "--databank",
+        metavar="FILE",
+        help="scanned faces of one person: the surface they show lands on that person, with -c "
+        "PERFORMER.obj on the performer's own neutral of the same mesh, and tells -c NAME what no "
+        "marker shows",
     )
     parser.add_argument(
         "--gain", type=positive, default=1.0, help="exaggerate (default: 1, as it was)"
@@ -78,21 +84,19 @@ def add_acting_options(parser: argparse.ArgumentParser, output: str | None) -> N
 
 
 def run(options: argparse.Namespace) -> None:
-    from mien.face.library import CHARACTERS
     from mien.formats.save import place, save
-    from mien.rig.load import load_character
 
-    characters = [load_character(name) for name in options.characters or CHARACTERS]
-    plan = _plan(options, [character.name for character in characters])
+    cast = cast_of(options)
+    plan = _plan(options, [actor.name for actor in cast])
     names = [file for files in plan.files for file in files] + [plan.preview or "."]
     spare(options.take, (plan.folder / name for name in names))
     with results(plan.folder) as claim:
         performance, account = performance_of(options)
         acts: list[tuple[Character, Curves]] = []
         written: list[Path] = []
-        for character, files in zip(characters, plan.files, strict=True):
-            remark(options, f"{character.name} acts")
-            curves = _act(options, performance, character)
+        for actor, files in zip(cast, plan.files, strict=True):
+            remark(options, f"{actor.name} acts")
+            character, curves = actor.act(performance)
             acts.append((character, curves))
             for file in files:
                 claim(place(Path(file)).name)
@@ -149,21 +153,6 @@ def _plan(options: argparse.Namespace, names: list[str]) -> Plan:
             "or name a folder"
         )
     return Plan(output.parent, ((output.name,),), None)
-
-
-def _act(options: argparse.Namespace, performance: Performance, character: Character) -> Curves:
-    from mien.recipe import animate
-
-    curves = animate(
-        performance,
-        character,
-        mapping=options.mapping,
-        gain=options.gain,
-        smooth=not options.no_filter,
-    )
-    if options.no_head:
-        curves = replace(curves, translation=curves.translation * 0.0)
-    return curves
 
 
 def _film(options: argparse.Namespace, acts: list[tuple[Character, Curves]], path: Path) -> None:

@@ -5,13 +5,21 @@ It is kept as a character is (``character``), so that whatever takes a character
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mien.face.character import Character, KeyModels
 from mien.face.face import Face
+from mien.numeric.procrustes import align, rigid
+from mien.numeric.rotation import to_vector
+
+_SIZES = (0.6, 1.7)
+"""Performer over databank: beyond, it is the unit that is wrong."""
+_TURNED, _SHIFTED = 0.3, 60.0
+"""Radians and mm between two faces beyond which they stand in different frames; less may be their
+own difference."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -44,3 +52,26 @@ def databank(character: Character) -> Databank:
     return Databank(
         character.name, character.face, character.examples, character.keys.displacements[rows]
     )
+
+
+def performer_face(bank: Databank, vertices: NDArray[np.float64]) -> Face:
+    """The databank's face with a performer's own neutral ``vertices`` (V, 3), mm, of the same
+    topology. It is turned into the head frame where it plainly stands in another.
+
+    Raises ValueError, for a user to read, where it has another topology or size.
+    """
+    theirs = bank.face.vertices
+    if vertices.shape != theirs.shape:
+        raise ValueError(
+            f"has {len(vertices)} vertices and the databank {len(theirs)}; build both from one mesh"
+        )
+    size = 1.0 / align(vertices, theirs).scale
+    if not _SIZES[0] < size < _SIZES[1]:
+        raise ValueError(f"is {size:.2g} times the databank's size; export it in millimetres")
+    pose = rigid(vertices, theirs)
+    turn = np.linalg.norm(to_vector(pose.rotation))
+    if turn > _TURNED or np.linalg.norm(pose.shift) > _SHIFTED:
+        vertices = pose(vertices)
+    onto = align(theirs, vertices)
+    pivots = {name: onto(place) for name, place in bank.face.pivots.items()}
+    return replace(bank.face, vertices=vertices, pivots=pivots)

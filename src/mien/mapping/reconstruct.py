@@ -58,6 +58,8 @@ class Reconstruction:
     """(V, P) how far each vertex follows each marker's share of the rest."""
     rest: Array
     """(F, P, 3) mm."""
+    missed: Array
+    """(F,) mm, root mean square motion of the markers that is not shown."""
 
     def motion(self, frame: int) -> Array:
         """(V, 3) mm, displacement from the neutral of ``face``, in its axes."""
@@ -110,13 +112,13 @@ def reconstruct(
     misfit = learn_misfit(fields, scale * motion, scale * noise, bounded)
     problem = blend(fields, scale * motion, scale**2 * noise**2 + misfit, _rate(performance))
     weights = solver(problem)
-    rest = np.zeros_like(motion)
-    if residual:
-        left_over = motion - np.tensordot(weights, fields, axes=1) / scale
-        rest = believe(left_over, on_face, noise)
+    left_over = motion - np.tensordot(weights, fields, axes=1) / scale
+    rest = believe(left_over, on_face, noise) if residual else np.zeros_like(motion)
+    shown = spread(on_face, on_face) @ rest
+    missed = np.sqrt(((left_over - shown) ** 2).sum(axis=-1).mean(axis=-1))
     felt = spread(face.vertices, on_face)
     felt[_hard(face)] = 0.0
-    return Reconstruction(face, bank, weights, scale, felt, rest)
+    return Reconstruction(face, bank, weights, scale, felt, rest, missed)
 
 
 def databank_scale(points: list[str], worn: Array, face: Face) -> float:
