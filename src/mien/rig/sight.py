@@ -43,13 +43,15 @@ def find_points(model: Model, path: Path) -> Picks:
     vertices, triangles = model.vertices, model.triangles
     part = components(vertices, triangles)
     low, high = _frame(model, vertices)
-    for facing in (1, -1) if model.forward is None else (model.forward,):
-        upright = vertices * [facing, 1.0, facing]
-        stage = _Stage(model, upright, triangles, part, (low + high) / 2.0 * [facing, 1.0, facing])
-        for zoom in _ZOOMS:
-            places = stage.look(zoom * float((high - low)[1]))
-            if places is not None:
-                return {name: place * [facing, 1.0, facing] for name, place in places.items()}
+    with Detector() as detector:
+        for facing in (1, -1) if model.forward is None else (model.forward,):
+            turned = np.array([facing, 1.0, facing])
+            centre = (low + high) / 2.0 * turned
+            stage = _Stage(model, vertices * turned, triangles, part, centre, detector)
+            for zoom in _ZOOMS:
+                places = stage.look(zoom * float((high - low)[1]))
+                if places is not None:
+                    return {name: place * turned for name, place in places.items()}
     raise NoFaceError(
         f"{path}: no face was seen on it; give feature points with --points FILE, at least "
         + ", ".join(pair[0] for pair in NEEDED)
@@ -76,6 +78,7 @@ class _Stage:
     triangles: Ints
     part: NDArray[np.intp]
     centre: Array
+    detector: Detector
 
     def __post_init__(self) -> None:
         unit = 250.0 / max(float(np.ptp(self.vertices[:, 1])), 1e-12)
@@ -101,13 +104,15 @@ class _Stage:
             size=(_SIDE, _SIDE),
             distance=4.0 * height * self._scale,
         )
-        renderer, seen = Renderer(self._face), []
+        renderer = Renderer(self._face)
+        seen: list[tuple[Camera, Array]] = []
         for yaw, pitch in _VIEWS:
             view = replace(camera, yaw=yaw, pitch=pitch)
             picture = renderer.render(self._placed, view)
-            with Detector() as detector:
-                for _ in range(_LOOKS):
-                    landmarks = detector.landmarks(picture, range(FACE_LANDMARKS))
+            for _ in range(_LOOKS):
+                landmarks = self.detector.landmarks(picture, range(FACE_LANDMARKS))
+            if landmarks is None and not seen:
+                return None
             if landmarks is not None:
                 seen.append((view, landmarks[:, :2].astype(float)))
         if len(seen) < 3:
