@@ -15,6 +15,7 @@ from mien.face.model import Model
 from mien.face.origin import Origin
 from mien.rig.completion import LIDS, balanced, mirrored, on_surface, warped, with_pupils
 from mien.rig.components import Ball, components, find_ball
+from mien.rig.dress import dressed
 from mien.rig.openings import margins
 from mien.rig.picks import Picks
 from mien.rig.settle import settle
@@ -71,13 +72,14 @@ def build(model: Model, picks: Picks, unit: float | None, *, seen: bool = False)
     points, pivots = _points(vertices, triangles, skin, fields, whole, balls)
     origin = (pivots["eye_left"] + pivots["eye_right"]) / 2.0
     order, parts = _parts(model, part, skin, balls)
+    colours = np.concatenate([part.colours for part in model.parts])
     row = np.empty(len(order), dtype=np.int32)
     row[order] = np.arange(len(order), dtype=np.int32)
     face = Face(
         vertices=(vertices - origin)[order],
         parts=tuple(replace(p, triangles=row[p.triangles]) for p in parts),
         materials=_MATERIALS,
-        colours=np.concatenate([p.colours for p in model.parts])[order],
+        colours=dressed(colours, vertices, balls or ())[order],
         occlusion=np.ones(len(order)),
         points=FeaturePoints(points.ids, row[points.vertices], points.weights),
         pivots={name: place - origin for name, place in pivots.items()},

@@ -20,6 +20,12 @@ _LIPS = (
     *(("2.6", "8.5", True), ("2.7", "8.6", True), ("2.8", "8.7", False), ("2.9", "8.8", False)),
 )
 """Inner and outer point of a lip, and whether it is the upper."""
+_COLUMNS = {
+    0.0: (("2.2", "8.1"), ("2.3", "8.2")),
+    0.5: (("2.6", "8.5", "8.10"), ("2.8", "8.7")),
+    -0.5: (("2.7", "8.6", "8.9"), ("2.9", "8.8")),
+}
+"""Points of the upper and the lower lip, by halves of the mouth's width to the left."""
 _ASIDE, _HIGH = 0.3, 0.9
 """Widths of an eye within which its margins lie from the middle of its corners."""
 _TRAVELS = 0.15
@@ -74,6 +80,7 @@ def _settle_lips(found: dict[str, Array], vertices: Array, fields: Fields) -> No
     parted = fields[:, row["8.1"], 1] - fields[:, row["8.2"], 1]
     key = int(parted.argmax())
     if parted[key] < _PARTED * mouth:
+        _settle_line(found, mouth, vertices, fields)
         return
     for inner, outer, upper in _LIPS:
         if inner not in found or outer not in found:
@@ -88,6 +95,34 @@ def _settle_lips(found: dict[str, Array], vertices: Array, fields: Fields) -> No
         ]
         if len(mine):
             found[inner] = vertices[mine[_nearest(vertices[mine], found[inner])]]
+
+
+def _settle_line(found: dict[str, Array], mouth: float, vertices: Array, fields: Fields) -> None:
+    """A mouth that is a line drawn on a face: what rises of it is the upper lip, inside and out,
+    and what falls the lower."""
+    aside = {x: _near_line(found, mouth, vertices, x) for x in _COLUMNS}
+    middle = fields[:, aside[0.0], 1]
+    if not middle.size:
+        return
+    key = int(np.ptp(middle, axis=1).argmax())
+    if np.ptp(middle[key]) < _PARTED * mouth:
+        return
+    for column, near in aside.items():
+        if len(near):
+            rise = fields[key, near, 1]
+            places = vertices[near[rise.argmax()]], vertices[near[rise.argmin()]]
+            for names, place in zip(_COLUMNS[column], places, strict=True):
+                found |= dict.fromkeys((name for name in names if name in found), place)
+
+
+def _near_line(
+    found: dict[str, Array], mouth: float, vertices: Array, column: float
+) -> NDArray[np.intp]:
+    """Vertices near the mouth's line at ``column`` halves of its width to the left."""
+    corners = found["8.3"], found["8.4"]
+    centre = (corners[0] + corners[1]) / 2.0 + column * (corners[0] - corners[1]) / 2.0
+    away = np.abs(vertices - centre)
+    return np.flatnonzero((away[:, 0] < 0.13 * mouth) & (away < 0.5 * mouth).all(axis=1))
 
 
 def _nearest(vertices: Array, place: Array) -> int:

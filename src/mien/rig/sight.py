@@ -18,6 +18,7 @@ from mien.face.face import Array, Face, FeaturePoints, Ints, Material, Part
 from mien.face.model import Model
 from mien.numeric.raster import rasterize
 from mien.rig.components import components, round_pair
+from mien.rig.dress import dressed
 from mien.rig.picks import NEEDED, Picks
 from mien.view.camera import Camera
 from mien.view.renderer import Renderer
@@ -32,9 +33,6 @@ _LOOKS = 3
 """Times a view is shown: the network settles on it."""
 _STRAY = 14.0
 """Pixels from a landmark within which skin is still meant."""
-_SKIN, _WHITE, _DARK = (0.55, 0.36, 0.27), (0.8, 0.8, 0.8), (0.02, 0.015, 0.01)
-_IRIS = 0.8
-"""Cosine of the angle about the line of sight within which an eyeball is iris."""
 
 
 def find_points(model: Model, path: Path) -> Picks:
@@ -84,13 +82,14 @@ class _Stage:
         unit = 250.0 / max(float(np.ptp(self.vertices[:, 1])), 1e-12)
         self._scale = unit
         self._placed = (self.vertices - self.centre) * unit
+        colours = np.concatenate([part.colours for part in self.model.parts])
         everything = Part("all", "skin", 0, len(self.vertices), self.triangles)
         nothing = FeaturePoints((), np.zeros((0, 3), np.int32), np.zeros((0, 3)))
         self._face = Face(
             self._placed,
             (everything,),
             {"skin": Material(roughness=0.9, specular=0.1)},
-            self._colours(),
+            dressed(colours, self._placed, round_pair(self._placed, self.part)),
             np.ones(len(self.vertices)),
             nothing,
             {},
@@ -149,17 +148,6 @@ class _Stage:
                     (columns[best], rows[best]),
                 )
         return places
-
-    def _colours(self) -> Array:
-        """(V, 3): as the file has them where it has pictures, else skin; irises dark."""
-        colours = np.concatenate([part.colours for part in self.model.parts])
-        if np.ptp(colours, axis=0).max() < 0.05:
-            colours = np.tile(_SKIN, (len(colours), 1))
-        for ball in round_pair(self._placed, self.part):
-            away = self._placed[ball.vertices] - ball.centre
-            ahead = away[:, 2] / np.maximum(np.linalg.norm(away, axis=1), 1e-9)
-            colours[ball.vertices] = np.where((ahead > _IRIS)[:, None], _DARK, _WHITE)
-        return colours
 
 
 def _on_triangle(corners: Array, places: Array, pixel: tuple[int, int]) -> Array:
