@@ -1,12 +1,11 @@
 """The faces of the ICT world as databanks, for benchmarks that are given its files.
 
-``ict_face.npz``, ``points.json`` and ``databank25.json`` stand in one folder; a model unit is 10 mm.
+``ict_face.npz``, ``points.json`` and ``databank25.json`` stand in one folder.
 """
 
 from __future__ import annotations
 
 import json
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -34,11 +33,6 @@ def read_bank(folder: Path, shapes: bool = False) -> Databank:
         mix = np.array([[face["weights"].get(n, 0.0) for n in names] for face in faces.values()])
         fields, names = np.tensordot(mix.astype(np.float32), fields, axes=1), tuple(faces)
     return Databank("ict", _face(folder, neutral, quads), names, fields)
-
-
-def with_neutral(bank: Databank, neutral: Array) -> Face:
-    """The databank's face with another person's ``neutral`` (V, 3)."""
-    return replace(bank.face, vertices=neutral)
 
 
 def _face(folder: Path, neutral: Array, quads: NDArray[np.int32]) -> Face:

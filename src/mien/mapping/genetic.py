@@ -29,7 +29,7 @@ Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
 GENERATIONS = 70
-_REPAIRED = 6000
+_REPAIRED = 8000
 """Generations of the repaired variant."""
 _STEP = 0.2
 """A mutation's standard deviation, in weights that would change the cost by as much as the best
