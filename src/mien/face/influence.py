@@ -154,10 +154,13 @@ def _inside(face: Face, edges: Ints, rim: Index) -> Mask:
 
 
 def _graph(edges: Ints, count: int, length: Array | None = None) -> sparse.csr_matrix:
+    """Inner edges come twice, and a sparse matrix adds up what it is given twice."""
+    where = (edges.min(axis=1), edges.max(axis=1))
     weight = np.ones(len(edges)) if length is None else length
-    # Every inner edge comes twice, and a sparse matrix would add the two.
-    unique, first = np.unique(np.sort(edges, axis=1), axis=0, return_index=True)
-    return sparse.csr_matrix((weight[first], (unique[:, 0], unique[:, 1])), (count, count))
+    total = sparse.csr_matrix((weight, where), (count, count))
+    times = sparse.csr_matrix((np.ones(len(edges)), where), (count, count))
+    total.data /= times.data
+    return total
 
 
 def _path(graph: sparse.csr_matrix, start: int, end: int) -> Index:
