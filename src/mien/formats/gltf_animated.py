@@ -102,7 +102,8 @@ class _Take:
         )
         scene["nodes"] = [len(nodes) - 1]
         moved = self.curves.translation @ self.origin.turn.T / self.origin.scale
-        self._channel(len(nodes) - 1, "rotation", self._quaternions(self.curves.rotation))
+        turned = self.origin.turn @ self.curves.rotation @ self.origin.turn.T
+        self._channel(len(nodes) - 1, "rotation", near_quaternions(turned))
         if moved.any():
             self._channel(len(nodes) - 1, "translation", pivot + moved)
 
@@ -115,7 +116,7 @@ class _Take:
         turned = turn @ rotations @ turn.T
         parent = _unscaled(above)
         local = parent.T @ turned @ _unscaled(world[node])
-        self._channel(node, "rotation", _near(to_quaternion(local)))
+        self._channel(node, "rotation", near_quaternions(local))
         if pivot is not None and not self._is_joint(node):
             centre = self._in_file(pivot)
             places = centre + np.einsum("fij,j->fi", turned, world[node][:3, 3] - centre)
@@ -127,9 +128,6 @@ class _Take:
 
     def _in_file(self, place: Array) -> Array:
         return np.asarray(self.origin.turn @ place / self.origin.scale + self.origin.centre)
-
-    def _quaternions(self, rotations: Array) -> Array:
-        return _near(to_quaternion(self.origin.turn @ rotations @ self.origin.turn.T))
 
     def _parents(self) -> dict[int, int]:
         return {
@@ -179,8 +177,10 @@ class _Take:
         return len(accessors) - 1
 
 
-def _near(quaternions: Array) -> Array:
-    """(F, 4) with the signs that make neighbours near: players interpolate them as they are."""
+def near_quaternions(rotations: Array) -> Array:
+    """(F, 4) of rotations (F, 3, 3), with the signs that make neighbours near: players
+    interpolate them as they are."""
+    quaternions = to_quaternion(rotations)
     turned = (quaternions[1:] * quaternions[:-1]).sum(axis=1) < 0.0
     signs = np.cumprod(np.concatenate([[1.0], np.where(turned, -1.0, 1.0)]))
     return np.asarray(quaternions * signs[:, None])
