@@ -98,7 +98,7 @@ def run(options: argparse.Namespace) -> None:
             remark(options, f"{actor.name} acts")
             character, curves = actor.act(performance)
             acts.append((character, curves))
-            for file in files:
+            for file in (*files, *_besides(options, files, character)):
                 claim(place(Path(file)).name)
                 written.append(save(curves, plan.folder / file, character))
         if plan.preview:
@@ -153,6 +153,16 @@ def _plan(options: argparse.Namespace, names: list[str]) -> Plan:
             "or name a folder"
         )
     return Plan(output.parent, ((output.name,),), None)
+
+
+def _besides(
+    options: argparse.Namespace, files: tuple[str, ...], character: Character
+) -> tuple[str, ...]:
+    """A VRM character also gets a VRM animation where nobody chose formats or one file."""
+    vrm = character.origin is not None and character.origin.hooks.vrm is not None
+    if not vrm or options.formats or files != (f"{character.name}.glb",):
+        return ()
+    return (f"{character.name}.vrma",)
 
 
 def _film(options: argparse.Namespace, acts: list[tuple[Character, Curves]], path: Path) -> None:

@@ -36,10 +36,17 @@ def _obj(path: Path, character: Character, curves: Curves) -> None:
     write_obj_sequence(path, character, curves)
 
 
+def _vrma(path: Path, character: Character, curves: Curves) -> None:
+    from mien.formats.vrma import write_vrma
+
+    write_vrma(path, character, curves)
+
+
 SAVERS: dict[str, Saver] = {
     ".glb": _glb,
     ".csv": _table,
     ".obj": _obj,
+    ".vrma": _vrma,
 }
 FOLDERS = frozenset({".obj"})
 """Kinds that are a folder of files: it is called as the file would be, without the ending."""
