@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from mien.performance.performance import Performance
 
 TAKES = (
-    "a video, a folder of images, camera:0 (with --end), markers (.c3d), a .mien file, a Live Link "
-    "Face .csv or an MPEG-4 .fap"
+    "a video, a folder of images, camera:0 (with --end), markers (.c3d, .trc, .csv), a .mien file, "
+    "a Live Link Face .csv or an MPEG-4 .fap"
 )
 CUT_OPTIONS = ("start", "end", "mirror", "rate", "neutral", "focal")
 """Options that say how a recording is looked at."""

@@ -7,14 +7,30 @@ from pathlib import Path
 
 from mien.errors import InputError
 from mien.formats.c3d import read_c3d
+from mien.formats.marker_csv import names_markers, read_marker_csv
+from mien.formats.trc import read_trc
 from mien.performance.marker_take import MarkerTake
 
-READERS: Mapping[str, Callable[[Path, str | None], MarkerTake]] = {".c3d": read_c3d}
+READERS: Mapping[str, Callable[[Path, str | None], MarkerTake]] = {
+    ".c3d": read_c3d,
+    ".trc": read_trc,
+    ".csv": read_marker_csv,
+}
+_LONGEST_HEADER = 2**20
 
 
 def holds_markers(path: str | Path) -> bool:
-    """Whether a file is a marker take, by its name."""
-    return Path(path).suffix.lower() in READERS
+    """Whether a file is a marker take: by its ending, and by the first line of a .csv, which may
+    be many things."""
+    path = Path(path)
+    ending = path.suffix.lower()
+    if ending != ".csv":
+        return ending in READERS
+    try:
+        with path.open("rb") as file:
+            return names_markers(file.readline(_LONGEST_HEADER).decode("utf-8-sig", "replace"))
+    except OSError:
+        return False
 
 
 def read_markers(path: str | Path, units: str | None = None) -> MarkerTake:
