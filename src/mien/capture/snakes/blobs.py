@@ -40,9 +40,10 @@ def find_blob(field: Field, expected: Array) -> Mask | None:
     pixels of the field; None where there is none."""
     level = threshold(field)
     mask = (field > level).astype(np.uint8)
-    mask = cv2.morphologyEx(mask, cv2.MORPH_OPEN, _OPEN)
-    mask = cv2.morphologyEx(mask, cv2.MORPH_CLOSE, _CLOSE)
-    count, label, facts, middle = cv2.connectedComponentsWithStats(mask, connectivity=4)
+    joined = cv2.morphologyEx(
+        cv2.morphologyEx(mask, cv2.MORPH_OPEN, _OPEN), cv2.MORPH_CLOSE, _CLOSE
+    )
+    count, label, facts, middle = cv2.connectedComponentsWithStats(joined, connectivity=4)
     best, chosen = 0.0, 0
     for blob in range(1, count):
         area = float(facts[blob, cv2.CC_STAT_AREA])
@@ -68,10 +69,10 @@ def blob_lens(blob: Mask, corner: Array) -> Array:
 def without_hair(field: Field, expected: Array) -> Field:
     """``field`` of a brow with what hangs in from its rectangle's rim put out, unless that is the
     brow itself (hair over it): ``expected`` (2,) its middle, pixels of the field."""
-    count, label, facts, _ = cv2.connectedComponentsWithStats(
+    _, label, facts, _ = cv2.connectedComponentsWithStats(
         (field > _HAIR).astype(np.uint8), connectivity=4
     )
-    rows, columns = field.shape
+    columns = field.shape[1]
     left, top, width, height, _ = facts.T
     hanging = (left == 0) | (left + width == columns) | (top == 0)
     over = (left < expected[0]) & (left + width > expected[0])
@@ -85,7 +86,7 @@ def without_hair(field: Field, expected: Array) -> Field:
 def above(field: Field, lens: Array, corner: Array) -> Field:
     """``field`` of a brow with the eye ``lens`` (6, 2) and all below it put out."""
     edge = upper_curve(lens) - corner - np.array([0.0, _LID_MARGIN])
-    rows, columns = field.shape
+    rows = field.shape[0]
     below = np.array([[edge[-1, 0], rows], [edge[0, 0], rows]])
     result = field.copy()
     cv2.fillPoly(result, [np.round(np.concatenate([edge, below])).astype(np.int32)], 0.0)

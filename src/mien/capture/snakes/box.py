@@ -156,12 +156,12 @@ def _drawn(features: tuple[str, ...]) -> tuple[NDArray[np.float32], int, int]:
         cv2.polylines(picture, [places], True, 1.0)
     rows, columns = np.nonzero(picture)
     top, left = max(rows.min() - 3, 0), max(columns.min() - 3, 0)
-    picture = cv2.GaussianBlur(picture, (0, 0), 0.8)
-    return picture[top : rows.max() + 4, left : columns.max() + 4], int(top), int(left)
+    soft = np.asarray(cv2.GaussianBlur(picture, (0, 0), 0.8), dtype=np.float32)
+    return soft[top : rows.max() + 4, left : columns.max() + 4], int(top), int(left)
 
 
 @cache
 def _cascade() -> cv2.CascadeClassifier:
     return cv2.CascadeClassifier(
-        str(Path(cv2.data.haarcascades) / "haarcascade_frontalface_default.xml")
+        str(Path(cv2.__file__).parent / "data" / "haarcascade_frontalface_default.xml")
     )

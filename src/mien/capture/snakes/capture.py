@@ -1,45 +1,53 @@
-"""The entry: frames become a performance by curves."""
+"""The entry: pictures become a performance, by curves."""
 
 from __future__ import annotations
-import numpy as np
-from mien.capture.snakes.features import ROW
-from mien.capture.snakes.lens import lower_curve, upper_curve
-from mien.capture.snakes.points import COUNT, places, relief
+
+from collections.abc import Iterable
+
+from mien.capture.settings import CaptureSettings, Progress
+from mien.capture.snakes.points import depths
 from mien.capture.snakes.reading import calibrate, perform
 from mien.capture.snakes.stepper import SnakeCapture
-from mien.capture.snakes.track import CurveTrack
+from mien.capture.snakes.track import CurveTrack, Gathering
+from mien.capture.snakes.watch import trace_of
 from mien.errors import NoFaceError
 from mien.face.library import generic_face
+from mien.performance.frame import Frame
+from mien.performance.performance import Performance
 
 
-def follow(frames, progress=None):
-    time, pts, op, tongue, lost = [], [], [], [], []
-    stepper = SnakeCapture()
-    size = (0, 0)
+def follow(
+    frames: Iterable[Frame],
+    stepper: SnakeCapture,
+    settings: CaptureSettings,
+    progress: Progress | None = None,
+) -> CurveTrack:
+    """Curves of every frame. Raises NoFaceError where not one shows a face."""
+    gathering, size = Gathering(), (0, 0)
     for frame in frames:
-        seen = stepper.step(frame)
-        time.append(frame.time)
-        lost.append(seen is None)
-        size = frame.image.shape[1::-1]
-        if seen is None:
-            pts.append(np.zeros((COUNT, 2)))
-            op.append(np.zeros(2))
-            tongue.append(0.0)
-        else:
-            pts.append(seen.placement.to_frame(places(seen.lenses, seen.rigid)))
-            e = seen.lenses[[ROW["eye_left"], ROW["eye_right"]]]
-            op.append((lower_curve(e) - upper_curve(e))[..., 1].mean(1))
-            tongue.append(seen.tongue)
-        if progress:
-            progress(len(time))
-    if all(lost):
-        raise NoFaceError("no face")
-    return CurveTrack(
-        np.array(time), np.array(pts), np.array(op), np.array(tongue), np.array(lost), size
-    )
+        seen = stepper.step(frame.image)
+        gathering.add(frame.time, seen)
+        size = (frame.image.shape[1], frame.image.shape[0])
+        if settings.watch is not None:
+            settings.watch(trace_of(seen))
+        if progress is not None:
+            progress(len(gathering))
+    if not gathering.faces:
+        raise NoFaceError(
+            f"no face was found in {len(gathering)} frames; a face must be in view, upright and lit"
+        )
+    return gathering.track(size)
 
 
-def snakes(frames, settings, source, progress=None):
-    track = follow(frames, progress)
-    base = relief(generic_face())
-    return perform(track, calibrate(track, base, settings.neutral, settings.focal), base, source)
+def snakes(
+    frames: Iterable[Frame],
+    settings: CaptureSettings,
+    source: str,
+    progress: Progress | None = None,
+) -> Performance:
+    """The performance in ``frames``. Raises NoFaceError, InputError."""
+    stepper = SnakeCapture()
+    track = follow(frames, stepper, settings, progress)
+    depth = depths(generic_face())
+    known = calibrate(track, depth, neutral=settings.neutral, focal=settings.focal)
+    return perform(track, known, source)

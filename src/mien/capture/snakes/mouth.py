@@ -81,7 +81,7 @@ def inside_masks(value: Field, magenta: Field, lips: LipColour) -> tuple[Mask, M
 
 
 def moustache(lips: Array, value: Field, corner: Array) -> bool:
-    """Whether what is above the lips (6, 2) is darker than skin: then dark is no sign of a mouth."""
+    """Whether what is above the lips (6, 2) is darker than skin: dark is no sign then."""
     strip = upper_curve(lips, 15)[3:-3] - np.array([0.0, _STRIP])
     column, row = np.round(strip - corner).astype(int).T
     row, column = np.clip(row, 0, value.shape[0] - 1), np.clip(column, 0, value.shape[1] - 1)
@@ -97,7 +97,7 @@ def filled(lens: Array, corner: Array, shape: tuple[int, int]) -> Mask:
 
 def find_opening(lips: Array, value: Field, dark: Mask, teeth: Mask, corner: Array) -> Opening:
     """The inner lips inside the outer ones ``lips`` (6, 2)."""
-    within = cv2.erode(filled(lips, corner, value.shape), _MARGIN)
+    within: Mask = np.asarray(cv2.erode(filled(lips, corner, value.shape), _MARGIN), np.uint8)
     seen = cv2.morphologyEx((dark | teeth) & within, cv2.MORPH_OPEN, _MARGIN)
     share = float((teeth & within).sum()) / max(float(within.sum()), 1.0)
     rows, columns = np.nonzero(seen)

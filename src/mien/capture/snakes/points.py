@@ -1,17 +1,11 @@
-"""Feature points on the curves: the 20 of [B] (N = 60 coordinates) as FDP ids, and the rigid ones
-that tell how the head is turned."""
+"""Feature points on the curves: the 20 of [B] (N = 60 coordinates) as FDP ids."""
 
 from __future__ import annotations
-
-from dataclasses import dataclass
-from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.capture.headfit import HeadModel
 from mien.capture.snakes.features import MOUTH, ROW
-from mien.capture.snakes.flow import COUNT as RIGID, _GRID as GRID
 from mien.capture.snakes.lens import LOWER, UPPER
 from mien.face.character import Character
 from mien.numeric.bezier import bernstein
@@ -50,18 +44,11 @@ _PLACES: dict[str, tuple[int, str, float]] = {
 }
 """Feature point -> lens, edge and parameter from the picture's left (the subject's right) on."""
 POINTS = tuple(_PLACES)
-_CORNERS: dict[str, tuple[int, str, float]] = {
-    "3.7": (ROW["eye_left"], BOTH, 1.0),
-    "3.11": (ROW["eye_left"], BOTH, 0.0),
-    "3.8": (ROW["eye_right"], BOTH, 1.0),
-    "3.12": (ROW["eye_right"], BOTH, 0.0),
-}
-"""Eye corners, which stay with the bone."""
 
 
 def _weights() -> Array:
     rows = []
-    for lens, edge, at in (*_PLACES.values(), *_CORNERS.values()):
+    for lens, edge, at in _PLACES.values():
         row = np.zeros((MOUTH + 1, 6))
         share = bernstein(np.array([at]))[0]
         for control, used in ((UPPER, edge != DOWN), (LOWER, edge != UP)):
@@ -71,53 +58,18 @@ def _weights() -> Array:
 
 
 _WEIGHTS = _weights()
-"""(24, L, 6): points are linear in the lenses."""
-
-COUNT = len(_WEIGHTS) + RIGID
+"""(P, L + 1, 6): points are linear in the lenses."""
 
 
-def places(lenses: Array, rigid: Array) -> Array:
-    """(..., N, 2) feature points, eye corners and rigid points of lenses (..., L, 6, 2) and rigid
-    points (..., G, 2), in their units."""
-    return np.concatenate([np.einsum("nlc,...lcx->...nx", _WEIGHTS, lenses), rigid], axis=-2)
+def places(lenses: Array) -> Array:
+    """(..., P, 2) feature points on lenses (..., L + 1, 6, 2), in their units."""
+    return np.asarray(np.einsum("plc,...lcx->...px", _WEIGHTS, lenses))
 
 
-@dataclass(frozen=True, slots=True)
-class Relief:
-    """What the generic face says of the points: how deep they lie and how they may move."""
-
-    depth: Array
-    """(N,) mm, head frame z, at the size of the performer."""
-    shapes: Array
-    """(K, N, 3) mm."""
-
-
-@cache
-def _names() -> tuple[str, ...]:
-    return (*_PLACES, *_CORNERS)
-
-
-def relief(generic: Character) -> Relief:
-    """Of the generic face, at a pupil distance of PUPIL_DISTANCE."""
+def depths(generic: Character) -> Array:
+    """(P,) mm, head frame z, of the points on the generic face at a pupil distance of
+    PUPIL_DISTANCE."""
     face = generic.face
     eyes = face.pivots
     scale = PUPIL_DISTANCE / float(np.linalg.norm(eyes["eye_left"] - eyes["eye_right"]))
-    skin = face.part("skin")
-    places = face.vertices[skin.first : skin.last] * scale
-    front = np.flatnonzero(places[:, 2] > 0.0)
-    flat = GRID * np.array([MM, -MM])
-    nearest = [
-        skin.first + int(front[((places[front, :2] - place) ** 2).sum(1).argmin()])
-        for place in flat
-    ]
-    rows = [generic.keys.names.index(name) for name in generic.examples]
-    fields = generic.keys.displacements[rows].astype(float)
-    marked = face.points.index(_names())
-    depth = np.concatenate([face.points.at(face.vertices)[marked, 2], face.vertices[nearest, 2]])
-    shapes = np.concatenate([face.points.at(fields)[:, marked], fields[:, nearest]], axis=1)
-    return Relief(depth * scale, shapes * scale)
-
-
-def head_model(neutral: Array, known: Relief) -> HeadModel:
-    """What is fitted to a frame: the performer's points at rest (N, 3) mm and the generic shapes."""
-    return HeadModel(neutral, known.shapes, np.arange(len(_PLACES), COUNT))
+    return np.asarray(face.points.at(face.vertices)[face.points.index(POINTS), 2] * scale)

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 _ROUNDS = 4
-_KNEE = 2.0
+_KNEE = 4.0
 """Patch units of a residual from where a point counts half."""
 _STIFFNESS = 50.0
 """Squared patch units a squared radian by which a head's turn from one frame to the next costs."""
@@ -37,6 +37,17 @@ class Pose:
     def __call__(self, places: Array) -> Array:
         """(..., 2) patch units of points (..., 3) of the resting face."""
         return np.asarray(self.scale * places @ self.rotation[:2].T + self.shift)
+
+    def levelled(self) -> tuple[Array, Pose]:
+        """(2, 3) the similarity of the patch that undoes scale, roll and shift, and the pose in
+        the patch after it."""
+        roll = float(np.arctan2(self.rotation[1, 0], self.rotation[0, 0]))
+        c, s = float(np.cos(roll)), float(np.sin(roll))
+        turn = np.array([[c, s], [-s, c]])
+        back = turn / self.scale
+        rotation = np.block([[turn, np.zeros((2, 1))], [np.zeros((1, 2)), np.eye(1)]])
+        moved = np.column_stack([back, -back @ self.shift])
+        return moved, Pose(rotation @ self.rotation, 1.0, np.zeros(2))
 
 
 RESTING = Pose(np.eye(3), 1.0, np.zeros(2))

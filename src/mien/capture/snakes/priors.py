@@ -10,10 +10,9 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-_CORNERS = 0.008
-"""Per squared patch unit: an eye's corners stay at their calibrated place."""
-_CORNERS_UNKNOWN = 0.002
-"""The same while nobody knows where they are."""
+_CORNERS = 0.002
+"""Per squared patch unit: an eye's corners stay where the turned head has them. Any firmer, and
+the head, which is turned by the corners, never turns."""
 _LIDS = 0.0007
 """Lids stay where they were."""
 _BROW_SHAPE, _BROW_THICKNESS = 0.002, 0.004
@@ -23,8 +22,7 @@ _BROW_ALONG = 0.003
 _STRANGER = 0.1
 """How much less the shape of everybody's brow is trusted than the performer's own."""
 _LIPS = 0.0001
-"""Lips stay where they were."""
-
+"""Lips stay where they were, but hardly: a mouth opens within a few frames."""
 _EVENNESS = 0.0005
 """The two halves of lids and lips differ as they do at rest."""
 
@@ -58,8 +56,7 @@ def prior(group: str, rest: Array, last: Array, known: bool) -> tuple[Array, Arr
     and was ``last`` (6, 2) in the frame before; ``known`` says that ``rest`` is the performer's
     own."""
     if group == "eye":
-        corners = _CORNERS if known else _CORNERS_UNKNOWN
-        return _form((corners, _ENDS, rest), (_LIDS, _MIDDLES, last), (_EVENNESS, _EVEN, rest))
+        return _form((_CORNERS, _ENDS, rest), (_LIDS, _MIDDLES, last), (_EVENNESS, _EVEN, rest))
     if group == "brow":
         trust = 1.0 if known else _STRANGER
         shape, thickness = trust * _BROW_SHAPE, trust * _BROW_THICKNESS

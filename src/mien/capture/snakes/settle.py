@@ -1,4 +1,4 @@
-"""One feature in one frame: several starts, the best one carried from coarse to fine."""
+"""One feature in one frame: where its curves come to rest, from coarse to fine."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from mien.capture.snakes.blobs import blob_lens, find_blob
 from mien.capture.snakes.colour import Field
-from mien.capture.snakes.energy import Terms, descend, packed
+from mien.capture.snakes.energy import Terms, descend, energy, packed
 from mien.capture.snakes.lens import height
 from mien.capture.snakes.priors import prior
 
@@ -27,6 +27,14 @@ _THICKEST_BROW = 24.0
 """A taller blob is hair."""
 _NARROWEST = {"brow": 0.0, "eye": 0.0, "lip": 38.0}
 _TALLER, _FLATTER = 1.25, 0.8
+_NOTHING = np.zeros((12, 12)), np.zeros(12)
+
+LEAST_CONTRAST = {"brow": 0.08, "eye": 0.12, "lip": 0.12}
+"""Mean difference of I across the curves below which a feature counts as lost."""
+_FARTHEST = {"brow": 26.0, "eye": 14.0, "lip": 45.0}
+"""Patch units from its place at rest beyond which no feature goes."""
+_TALLEST = {"brow": 32.0, "eye": 36.0, "lip": 105.0}
+_WIDEST = {"brow": 100.0, "eye": 66.0, "lip": 115.0}
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,40 +44,64 @@ class Settled:
     lens: Array
     """(6, 2)"""
     energy: float
+    contrast: float
+    """Mean I just inside the curves minus just outside, -1..1."""
+    lost: bool
+    """The curves lie on nothing, or where no feature can be."""
 
 
-def settle(
-    group: str, field: Field, corner: Array, rest: Array, last: Array, known: bool
-) -> Settled:
+@dataclass(frozen=True, slots=True)
+class Expected:
+    """What is known of a feature before it is looked at."""
+
+    rest: Array
+    """(6, 2) at rest, with the head turned as it is."""
+    last: Array
+    """(6, 2) in the frame before."""
+    known: bool
+    """``rest`` is the performer's own."""
+    lost: bool
+    """It was lost in the frame before."""
+
+
+def settle(group: str, field: Field, corner: Array, expected: Expected) -> Settled:
     """The lens of a feature of ``group`` on its rectangle's ``field``, whose first pixel is at
-    ``corner``; see ``prior`` for ``rest``, ``last`` and ``known``."""
-    quadratic, linear = prior(group, rest, last, known)
+    ``corner``. Lips are sought from several starts, for they move fast; others from the last
+    frame, and from their blob where that leads to nothing."""
+    quadratic, linear = prior(group, expected.rest, expected.last, expected.known)
     width = _NARROWEST[group]
+    blurred = [
+        np.asarray(cv2.GaussianBlur(field, (0, 0), blur), dtype=np.float32) for blur in _BLURS
+    ]
 
-    def slide(lens: Array, level: int) -> Settled:
-        reach = float(np.clip(_REACH * height(lens), _LEAST_REACH, _MOST_REACH))
-        numbers = packed(Terms(reach=reach, least_width=width))
+    def slide(lens: Array, level: int) -> tuple[Array, float]:
         place, value = descend(
             lens.reshape(12),
             blurred[level],
             corner,
-            numbers,
+            packed(Terms(reach=_reach(lens), least_width=width)),
             quadratic,
             linear,
             _STEPS[level],
             _FIRST_STEP[level],
         )
-        return Settled(place.reshape(6, 2), value)
+        return place.reshape(6, 2), value
 
-    blurred = [cv2.GaussianBlur(field, (0, 0), blur) for blur in _BLURS]
-    starts = _starts(group, field, corner, rest, last)
-    best = min((slide(start, 0) for start in starts), key=lambda settled: settled.energy)
+    starts = _starts(group, field, corner, expected)
+    lens, value = min((slide(start, 0) for start in starts), key=lambda slid: slid[1])
     for level in range(1, len(_BLURS)):
-        best = slide(best.lens, level)
-    return best
+        lens, value = slide(lens, level)
+    across, _ = energy(lens, blurred[1], corner, Terms(0.0, 1.0, 1.0, _reach(lens)), *_NOTHING)
+    lost = -across < LEAST_CONTRAST[group] or _wild(group, lens, expected.rest)
+    return Settled(lens, value, -across, lost)
 
 
-def _starts(group: str, field: Field, corner: Array, rest: Array, last: Array) -> Sequence[Array]:
+def _reach(lens: Array) -> float:
+    return min(max(_REACH * float(height(lens)), _LEAST_REACH), _MOST_REACH)
+
+
+def _starts(group: str, field: Field, corner: Array, expected: Expected) -> Sequence[Array]:
+    last = expected.last
     starts = [last]
     blob = find_blob(field, last.mean(axis=0) - corner)
     if blob is not None:
@@ -79,5 +111,12 @@ def _starts(group: str, field: Field, corner: Array, rest: Array, last: Array) -
     if group == "lip":
         middle = last.mean(axis=0)
         starts += [middle + (last - middle) * np.array([1.0, s]) for s in (_FLATTER, _TALLER)]
-        starts.append(rest)
+    if group == "lip" or expected.lost:
+        starts.append(expected.rest)
     return starts
+
+
+def _wild(group: str, lens: Array, rest: Array) -> bool:
+    away = float(np.linalg.norm(lens.mean(axis=0) - rest.mean(axis=0)))
+    wide = float(np.linalg.norm(lens[1] - lens[0]))
+    return bool(away > _FARTHEST[group] or height(lens) > _TALLEST[group] or wide > _WIDEST[group])

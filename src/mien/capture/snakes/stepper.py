@@ -2,47 +2,67 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.capture.snakes.blobs import above, without_hair
 from mien.capture.snakes.box import find_face
-from mien.capture.snakes.colour import (
-    USUAL_WEIGHTS,
-    Field,
-    brightness,
-    magenta,
-    neighbourhood,
-    transform,
-    window,
-)
+from mien.capture.snakes.colour import Field, Weights, magenta, window
 from mien.capture.snakes.features import FEATURES, MOUTH, ROW, usual_features
+from mien.capture.snakes.fields import (
+    Look,
+    Weigh,
+    brow_field,
+    corner_of,
+    field_of,
+    look_at,
+    usual_weights,
+)
 from mien.capture.snakes.flow import choose, follow
 from mien.capture.snakes.mouth import (
     LipColour,
+    Opening,
     filled,
     find_opening,
     inside_masks,
     lip_colour,
     moustache,
 )
-from mien.capture.snakes.patch import ORIGIN, Picture, Placement
+from mien.capture.snakes.patch import Picture, Placement
 from mien.capture.snakes.pose import RESTING, Pose, fit_pose
 from mien.capture.snakes.relief import lifted
-from mien.capture.snakes.settle import settle
-from mien.capture.snakes.skin import gains, skin_colour
-from mien.performance.frame import Frame
+from mien.capture.snakes.settle import Expected, settle
+from mien.capture.snakes.skin import skin_colour
 
 Array = NDArray[np.float64]
+Bools = NDArray[np.bool_]
 
 _EYES = np.array([ROW["eye_right"], ROW["eye_left"]])
-_EYE_PLACES = np.array([[-50.0, 0.0], [50.0, 0.0]])
+_LIPS = ROW["lips"]
 _FIRST_ROUNDS = 4
-_DRIFT_GAIN = 0.1
+"""How often the first patch is moved until the eyes lie where eyes are."""
+_CORNER_WEIGHT = 6
+"""Points of the nose that an eye corner counts for: far apart, they tell how the head leans."""
 _GROWN = np.ones((7, 7), np.uint8)
+_FEWEST = 3
+"""Features that must be found for a face to be there."""
+_PATIENCE = 5
+"""Frames without them after which the face is looked for anew."""
+
+
+@dataclass(frozen=True, slots=True)
+class Appearance:
+    """What a performer looks like at rest: with it, the first frame is like any other."""
+
+    rest: Array
+    """(L, 6, 2) features, patch units."""
+    anchor: Picture
+    """(HEIGHT, WIDTH) grey patch of the resting face."""
+    points: Array
+    """(COUNT, 2) what is followed on it, patch units."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,132 +70,203 @@ class Seen:
     """What the snakes found in one frame."""
 
     placement: Placement
+    pose: Pose
     lenses: Array
-    """(7, 6, 2) features and the mouth's opening, patch units."""
+    """(L + 1, 6, 2) features and the mouth's opening, patch units."""
     rigid: Array
-    """(G, 2) points of nose and inner eyes, patch units."""
-    energies: Array
-    """(6,)"""
-    teeth: float
-    tongue: float
-    recovered: bool
+    """(COUNT, 2) points of nose and inner eyes, patch units."""
+    lost: Bools
+    """(L,) features that were not found; their lenses are the last ones that were."""
+    contrast: Array
+    """(L,) mean I just inside the curves minus just outside."""
+    opening: Opening
+    look: Look
+    weights: Mapping[str, Weights]
+    grey: Picture
+    lips: LipColour
+    recovered: bool = False
     """The face had to be found anew."""
 
 
 @dataclass(frozen=True, slots=True)
-class _State:
+class _Start:
+    """Where a frame's search begins."""
+
     placement: Placement
     pose: Pose
     lenses: Array
-    grey: Picture
     rigid: Array
-    lips: LipColour
 
 
 class SnakeCapture:
-    """Follows one face from frame to frame."""
+    """Follows one face from frame to frame. The same frames give the same numbers, whoever feeds
+    them."""
 
-    def __init__(self) -> None:
+    def __init__(
+        self,
+        appearance: Appearance | None = None,
+        weigh: Weigh = usual_weights,
+        light: bool = True,
+    ) -> None:
+        """``appearance`` of a known performer (else learnt from the first frame with a face);
+        ``weigh`` gives the colour weights; ``light`` False judges all frames by the skin of the
+        first."""
+        self._weigh, self._light = weigh, light
+        self._skin: Array | None = None
+        self._last: Seen | None = None
+        self._missing = 0
+        self.appearance: Appearance | None = None
         self._rest = lifted(usual_features())
-        self._state: _State | None = None
-        self._anchor: Picture | None = None
-        self._known = False
+        if appearance is not None:
+            self._remember(appearance)
 
-    def step(self, frame: Frame) -> Seen | None:
-        """Look at the next frame; None where no face is seen."""
-        followed = self._follow(frame.image)
-        recovered = followed is None
-        if followed is None:
-            followed = self._find(frame.image)
-            if followed is None:
-                return None
-        placement, pose, rigid, lenses = followed
-        patch = placement.warp(frame.image)
-        fitted, energies, opening, lips = self._fit(patch, pose, lenses, self._known)
-        if not self._known:
-            self._rest = lifted(fitted[:MOUTH])
-            self._known = True
-        grey = cv2.cvtColor(patch, cv2.COLOR_RGB2GRAY)
-        if self._anchor is None:
-            self._anchor = grey
-            self._points = lifted(choose(grey))
-            rigid = self._points[:, :2]
-        self._state = _State(placement, pose, fitted, grey, rigid, lips)
-        return Seen(placement, fitted, rigid, energies, opening.teeth, opening.tongue, recovered)
-
-    def _follow(self, image):
-        if self._state is None:
+    def step(self, image: Picture) -> Seen | None:
+        """Look at the next picture (H, W, 3) RGB; None where no face is seen."""
+        start = self._follow(image)
+        recovered = start is None
+        if start is None:
+            start = self._find(image)
+        if start is None:
+            self._last = None
             return None
-        s = self._state
-        grey = cv2.cvtColor(s.placement.warp(image), cv2.COLOR_RGB2GRAY)
-        moved = follow(self._anchor, self._points[:, :2], s.rigid, grey)
+        seen = replace(self._fit(start, image), recovered=recovered)
+        few = int((~seen.lost).sum()) < _FEWEST
+        self._missing = self._missing + 1 if few else 0
+        if few and (recovered or self._missing > _PATIENCE):
+            self._last, self._missing = None, 0
+            return None
+        if self.appearance is None:
+            points = choose(seen.grey)
+            self._remember(Appearance(seen.lenses[:MOUTH], seen.grey, points))
+            seen = replace(seen, rigid=points)
+        self._last = seen
+        return seen
+
+    def _remember(self, appearance: Appearance) -> None:
+        self.appearance = appearance
+        self._rest = lifted(appearance.rest)
+        self._points = lifted(appearance.points)
+
+    def _follow(self, image: Picture) -> _Start | None:
+        """Where the last frame's face went."""
+        if self._last is None or self.appearance is None:
+            return None
+        last, known = self._last, self.appearance
+        grey = _grey(last.placement.warp(image))
+        moved = follow(known.anchor, known.points, last.rigid, grey)
         if moved is None:
-            moved = follow(s.grey, s.rigid, s.rigid, grey)
+            moved = follow(last.grey, last.rigid, last.rigid, grey)
         if moved is None:
             return None
-        turn = moved.similarity
-        corners = s.lenses[_EYES, :2].reshape(-1, 2) @ turn[:, :2].T + turn[:, 2]
-        lenses = s.lenses @ turn[:, :2].T + turn[:, 2]
-        pose = fit_pose(self._points, moved.points, s.pose)
-        # the new placement takes scale, roll and shift away
-        roll = np.arctan2(pose.rotation[1, 0], pose.rotation[0, 0])
-        c, n = np.cos(roll) / pose.scale, np.sin(roll) / pose.scale
-        back = np.array([[c, n], [-n, c]])
-        sim = np.column_stack([back, -back @ pose.shift])
-        placement = s.placement.moved(sim)
-        R = np.array([[np.cos(roll), np.sin(roll), 0], [-np.sin(roll), np.cos(roll), 0], [0, 0, 1]])
-        pose = Pose(R @ pose.rotation, 1.0, np.zeros(2))
-        on = lambda q: q @ sim[:, :2].T + sim[:, 2]
-        return placement, pose, on(moved.points), on(lenses)
+        carried = last.lenses @ moved.similarity[:, :2].T + moved.similarity[:, 2]
+        return self._turned(last.placement, moved.points, carried, last.pose)
 
-    def _find(self, image):
+    def _turned(self, placement: Placement, rigid: Array, lenses: Array, pose: Pose) -> _Start:
+        """The start with the patch put where the head's scale, roll and place are those at rest;
+        ``rigid`` and ``lenses`` were seen in the patch of ``placement``."""
+        corners = np.tile(lenses[_EYES, :2].reshape(-1, 2), (_CORNER_WEIGHT, 1))
+        rest = np.tile(self._rest[_EYES, :2].reshape(-1, 3), (_CORNER_WEIGHT, 1))
+        pose = fit_pose(
+            np.concatenate([self._points, rest]), np.concatenate([rigid, corners]), pose
+        )
+        back, level = pose.levelled()
+        on = Placement(back)
+        return _Start(placement.moved(back), level, on.to_patch(lenses), on.to_patch(rigid))
+
+    def _find(self, image: Picture) -> _Start | None:
+        """Look for a face in the whole picture, and bring its patch right."""
         placement = find_face(image)
         if placement is None:
             return None
-        lenses = (
-            np.concatenate([self._rest, self._rest[-1:]])[..., :2]
-            if self._state is None
-            else self._state.lenses
-        )
+        lenses = np.concatenate([self._rest, self._rest[-1:]])[..., :2]
         for _ in range(_FIRST_ROUNDS):
-            lenses, *_ = self._fit(placement.warp(image), RESTING, lenses, False)
+            start = _Start(placement, RESTING, lenses, np.zeros((0, 2)))
+            lenses = self._fit(start, image, strange=True).lenses
             middles = lenses[_EYES, :2].mean(axis=1)
             better = Placement.at(*placement.to_frame(middles))
             lenses = better.to_patch(placement.to_frame(lenses))
             placement = better
-        return placement, RESTING, None if self._anchor is None else self._points[:, :2], lenses
+        if self.appearance is None:
+            return _Start(placement, RESTING, lenses, np.zeros((0, 2)))
+        points = self.appearance.points
+        grey = _grey(placement.warp(image))
+        moved = follow(self.appearance.anchor, points, points, grey)
+        return self._turned(placement, points if moved is None else moved.points, lenses, RESTING)
 
-    def _fit(self, patch, pose, lenses, known):
-        scale = gains(skin_colour(patch))
-        value = brightness(patch, scale)
-        mean = neighbourhood(value)
-        out = lenses.copy()
-        rest = pose(self._rest)
-        energies = np.zeros(MOUTH)
-        for i, feature in enumerate(FEATURES):
-            field = transform(patch, scale, value, mean, USUAL_WEIGHTS[feature.group], feature.box)
+    def _fit(self, start: _Start, image: Picture, strange: bool = False) -> Seen:
+        """Let all curves settle; ``strange`` where it is not sure whether the patch lies right."""
+        known = self.appearance is not None and not strange
+        patch = start.placement.warp(image)
+        look = look_at(patch, self._skin)
+        if not self._light and self._skin is None:
+            self._skin = skin_colour(patch)
+        weights = self._weigh(look, start.lenses)
+        rest, lenses = start.pose(self._rest), start.lenses.copy()
+        lost, contrast = np.zeros(MOUTH, dtype=bool), np.zeros(MOUTH)
+        inside = _Inside(look, start.lenses[_LIPS], self._last)
+        for row, feature in enumerate(FEATURES):
+            field, corner = field_of(look, feature, weights), corner_of(feature)
             if feature.group == "brow":
-                eye = out[ROW[feature.name.replace("brow", "eye")]]
-                field = above(field, eye, np.array(feature.box[:2], dtype=float))
-                field = without_hair(field, rest[i].mean(axis=0) - feature.box[:2])
-            if feature.group == "eye":
-                pale = transform(patch, scale, value, mean, USUAL_WEIGHTS["sclera"], feature.box)
-                field = np.maximum(field, pale)
-            left, top, right, bottom = window(feature.box)
-            corner = np.array([left, top]) - ORIGIN
-            if feature.group == "lip":
-                bright, pink = value[top:bottom, left:right], magenta(patch, scale, feature.box)
-                lips = (
-                    self._state.lips if self._state else lip_colour(lenses[i], bright, pink, corner)
-                )
-                dark, teeth = inside_masks(bright, pink, lips)
-                grown = cv2.dilate(filled(lenses[i], corner, field.shape), _GROWN)
-                if known and not moustache(lenses[i], bright, corner):
-                    field = np.maximum(field, ((dark | teeth) & grown).astype(np.float32))
-            settled = settle(feature.group, field, corner, rest[i], lenses[i], known)
-            out[i], energies[i] = settled.lens, settled.energy
-        lips = lip_colour(out[i], bright, pink, corner)
-        dark, teeth = inside_masks(bright, pink, lips)
-        opening = find_opening(out[i], bright, dark, teeth, corner)
-        out[MOUTH] = opening.lens
-        return out, energies, opening, lips
+                eye = lenses[ROW[feature.name.replace("brow", "eye")]]
+                field = brow_field(field, corner, rest[row], eye)
+            if feature.group == "lip" and known:
+                field = inside.added(field)
+            gone = self._last is not None and bool(self._last.lost[row])
+            expected = Expected(rest[row], start.lenses[row], known, gone)
+            settled = settle(feature.group, field, corner, expected)
+            lost[row], contrast[row] = settled.lost, settled.contrast
+            if not settled.lost or strange:
+                lenses[row] = settled.lens
+        opening, lips = inside.opening(lenses[_LIPS])
+        lenses[MOUTH] = opening.lens
+        return Seen(
+            start.placement,
+            start.pose,
+            lenses,
+            start.rigid,
+            lost,
+            contrast,
+            opening,
+            look,
+            weights,
+            _grey(patch),
+            lips,
+        )
+
+
+class _Inside:
+    """The lips' rectangle of a look, and what of it is not lip."""
+
+    def __init__(self, look: Look, expected: Array, last: Seen | None) -> None:
+        """``expected`` (6, 2) the lips' outline."""
+        feature = FEATURES[_LIPS]
+        left, top, right, bottom = window(feature.box)
+        self._corner = corner_of(feature)
+        self._value = look.value[top:bottom, left:right]
+        self._magenta = magenta(look.patch, look.gains, feature.box)
+        self._expected = expected
+        self._lips = self._colour(expected) if last is None else last.lips
+
+    def _colour(self, outline: Array) -> LipColour:
+        return lip_colour(outline, self._value, self._magenta, self._corner)
+
+    def added(self, field: Field) -> Field:
+        """``field`` of the lips with the open mouth inside them filled: a wide mouth has a thin
+        ring for lips. Not under a moustache, which is as dark as a mouth."""
+        if moustache(self._expected, self._value, self._corner):
+            return field
+        dark, teeth = inside_masks(self._value, self._magenta, self._lips)
+        near: Picture = np.asarray(
+            cv2.dilate(filled(self._expected, self._corner, field.shape), _GROWN), np.uint8
+        )
+        return np.maximum(field, ((dark | teeth) & near).astype(np.float32))
+
+    def opening(self, outline: Array) -> tuple[Opening, LipColour]:
+        """The opening inside the outline that was found, and the lips' colour there."""
+        lips = self._colour(outline)
+        dark, teeth = inside_masks(self._value, self._magenta, lips)
+        return find_opening(outline, self._value, dark, teeth, self._corner), lips
+
+
+def _grey(patch: Picture) -> Picture:
+    return np.asarray(cv2.cvtColor(patch, cv2.COLOR_RGB2GRAY))

@@ -2,34 +2,123 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.capture.snakes.points import COUNT, places
+from mien.capture.headfit import FRONTAL
+from mien.capture.snakes.features import MOUTH, ROW
+from mien.capture.snakes.lens import lower_curve, upper_curve
+from mien.capture.snakes.points import POINTS, places
 from mien.capture.snakes.stepper import Seen
 
 Array = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+
+_EYES = [ROW["eye_left"], ROW["eye_right"]]
 
 
 @dataclass(frozen=True, slots=True)
 class CurveTrack:
-    """F frames of the N points on the curves and the head."""
+    """F frames of the curves; zero where lost, rotations the identity."""
 
     time: Array
     """(F,) seconds."""
+    lenses: Array
+    """(F, L + 1, 6, 2) patch units."""
     points: Array
-    """(F, N, 2) pixels of the frame, its first pixel's centre at (0.5, 0.5); zero where lost."""
-    opening: Array
-    """(F, 2) heights of the left and right eye, over the eyes' distance."""
+    """(F, P, 2) feature points, pixels of the frame."""
+    rotation: Array
+    """(F, 3, 3) camera_from_head, as seen along the line from the camera to the head."""
+    centre: Array
+    """(F, 2) the middle between the eyes, pixels of the frame."""
+    scale: Array
+    """(F,) patch units in a pixel."""
     tongue: Array
-    """(F,)"""
-    lost: NDArray[np.bool_]
-    """(F,)"""
+    """(F,) 0..1"""
+    missed: Bools
+    """(F, L) features that were not found."""
+    lost: Bools
+    """(F,) no face was found."""
     size: tuple[int, int]
     """Width and height of the picture."""
 
     def __len__(self) -> int:
         return len(self.time)
+
+    @property
+    def opening(self) -> Array:
+        """(F, 2) mean height of the left and right eye, patch units."""
+        eyes = self.lenses[:, _EYES]
+        return np.asarray((lower_curve(eyes) - upper_curve(eyes))[..., 1].mean(axis=-1))
+
+
+class Gathering:
+    """A track that grows frame by frame; it keeps numbers, not pictures."""
+
+    def __init__(self) -> None:
+        self._time: list[float] = []
+        self._rows: list[_Row] = []
+
+    def __len__(self) -> int:
+        return len(self._time)
+
+    @property
+    def faces(self) -> int:
+        """Frames in which a face was seen."""
+        return sum(not row.lost for row in self._rows)
+
+    def add(self, time: float, seen: Seen | None) -> None:
+        """What was seen at ``time`` seconds."""
+        self._time.append(time)
+        self._rows.append(_NOTHING if seen is None else _row(seen))
+
+    def track(self, size: tuple[int, int]) -> CurveTrack:
+        """All of it, of pictures of ``size``."""
+        columns = {
+            name: np.array([getattr(row, name) for row in self._rows]) for name in _Row._fields
+        }
+        return CurveTrack(time=np.array(self._time), size=size, **columns)
+
+
+class _Row(NamedTuple):
+    """A frame of a track."""
+
+    lenses: Array
+    points: Array
+    rotation: Array
+    centre: Array
+    scale: float
+    tongue: float
+    missed: Bools
+    lost: bool
+
+
+_NOTHING = _Row(
+    np.zeros((MOUTH + 1, 6, 2)),
+    np.zeros((len(POINTS), 2)),
+    np.eye(3),
+    np.zeros(2),
+    1.0,
+    0.0,
+    np.ones(MOUTH, dtype=bool),
+    True,
+)
+
+
+def _row(seen: Seen) -> _Row:
+    placement = seen.placement
+    frame_from_patch = np.eye(3)
+    frame_from_patch[:2, :2] = placement.matrix[:, :2].T / placement.scale
+    return _Row(
+        seen.lenses,
+        placement.to_frame(places(seen.lenses)),
+        frame_from_patch @ seen.pose.rotation @ FRONTAL,
+        placement.to_frame(np.zeros(2)),
+        placement.scale,
+        seen.opening.tongue,
+        seen.lost,
+        False,
+    )

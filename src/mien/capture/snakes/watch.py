@@ -1,0 +1,53 @@
+"""What the snakes saw, for people who want to look over their shoulder."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mien.capture.snakes.colour import window
+from mien.capture.snakes.features import FEATURES, NAMES
+from mien.capture.snakes.fields import field_of
+from mien.capture.snakes.lens import lower_curve, upper_curve
+from mien.capture.snakes.stepper import Seen
+from mien.performance.trace import Trace
+
+Array = NDArray[np.float64]
+
+_AXIS = 60.0
+"""Patch units."""
+
+
+def trace_of(seen: Seen | None) -> Trace:
+    """Curves, rectangles, head axes, and the transformed picture beside."""
+    if seen is None:
+        return Trace(lost=True, notes=("lost",))
+    curves = {}
+    for row, name in enumerate((*NAMES, "mouth")):
+        for edge, curve in (("upper", upper_curve), ("lower", lower_curve)):
+            curves[f"{name}_{edge}"] = seen.placement.to_frame(curve(seen.lenses[row]))
+    boxes = {}
+    for feature in FEATURES:
+        left, top, right, bottom = feature.box
+        corners = np.array([[left, top], [right, top], [right, bottom], [left, bottom]])
+        boxes[feature.name] = seen.placement.to_frame(corners.astype(float))
+    tips = np.array([[0, 0, 0], [1, 0, 0], [0, -1, 0], [0, 0, -1]]) * _AXIS
+    notes = [f"{name} lost" for name, gone in zip(NAMES, seen.lost, strict=True) if gone]
+    return Trace(
+        curves=curves,
+        boxes=boxes,
+        points=seen.placement.to_frame(seen.rigid),
+        axes=seen.placement.to_frame(seen.pose(tips)),
+        beside=_transformed(seen),
+        notes=(*notes, *(["recovered"] if seen.recovered else [])),
+    )
+
+
+def _transformed(seen: Seen) -> NDArray[np.uint8]:
+    """(HEIGHT, WIDTH, 3) the fields in their rectangles, and the dim patch round them."""
+    picture = np.repeat(seen.grey[..., None] // 4, 3, axis=2)
+    for feature in FEATURES:
+        left, top, right, bottom = window(feature.box)
+        field = field_of(seen.look, feature, seen.weights)
+        picture[top:bottom, left:right] = (field * 255.0).astype(np.uint8)[..., None]
+    return picture
