@@ -76,6 +76,8 @@ class Model:
     notes: tuple[str, ...] = ()
     """What was mended or odd, for a person to read."""
     hooks: Hooks = Hooks()
+    head_place: Array | None = None
+    """(3,) where the joint stands about which the head turns, if there is one."""
     source: bytes | None = None
     """The whole file as one GLB, for formats that can be animated as they are."""
 

@@ -116,12 +116,7 @@ def find_hooks(container: Container, nodes: Nodes, acting: list[int], drawn: lis
     acts, or the node that carries all that is drawn. ``acting`` and ``drawn`` are the nodes of the
     meshes with morph targets, and of all meshes."""
     names = {i: str(container.listed("nodes")[i].get("name", "")) for i in nodes.world}
-    joints = {
-        joint
-        for skin in container.listed("skins")
-        for joint in skin.get("joints", [])
-        if type(joint) is int
-    }
+    joints = _joints(container)
     eyes: list[int | None] = [None, None]
     for i, name in sorted(names.items()):
         match = _EYE.search(_spaced(name)) or _EYE_AFTER.search(_spaced(name))
@@ -142,6 +137,19 @@ def find_hooks(container: Container, nodes: Nodes, acting: list[int], drawn: lis
         if all(node in nodes.ancestors(other) for other in drawn)
     ]
     return Hooks(common[0] if common else None, (eyes[0], eyes[1]))
+
+
+def joint_place(container: Container, nodes: Nodes, node: int | None) -> Array | None:
+    """(3,) where a node stands that is a joint of a skin; None for any other."""
+    if node not in nodes.world or node not in _joints(container):
+        return None
+    return np.asarray(nodes.world[node][:3, 3])
+
+
+def _joints(container: Container) -> set[int]:
+    listed = [skin.get("joints") for skin in container.listed("skins")]
+    joints = [joint for some in listed if isinstance(some, list) for joint in some]
+    return {joint for joint in joints if type(joint) is int}
 
 
 def _spaced(name: str) -> str:

@@ -21,7 +21,7 @@ from mien.face.face import Array
 from mien.face.model import Bind, Model, ModelPart, Shape
 from mien.formats.gltf_accessors import Accessors
 from mien.formats.gltf_container import Container, Json, open_gltf, referred
-from mien.formats.gltf_nodes import Nodes, find_hooks, numbers, read_nodes
+from mien.formats.gltf_nodes import Nodes, find_hooks, joint_place, numbers, read_nodes
 from mien.formats.gltf_pack import packed
 
 MAX_DISPLACEMENTS = 50_000_000
@@ -56,13 +56,15 @@ def read_gltf(path: Path | str) -> Model:
         raise container.fault("no triangles in it; export the mesh as triangles")
     acting = [node for node, mesh in reading.placed if reading.targets(mesh)]
     drawn = [node for node, _ in reading.placed]
+    hooks = find_hooks(container, reading.nodes, acting, drawn)
     return Model(
         name=Path(path).stem,
         parts=tuple(reading.parts),
         shapes=tuple(reading.shapes.values()),
         unit=1000.0,
         notes=tuple(reading.notes),
-        hooks=find_hooks(container, reading.nodes, acting, drawn),
+        hooks=hooks,
+        head_place=joint_place(container, reading.nodes, hooks.head),
         source=packed(container),
     )
 

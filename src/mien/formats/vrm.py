@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from mien.face.model import Bind, Hooks, Model, Shape
 from mien.formats.gltf_container import Container, Json, open_gltf
+from mien.formats.gltf_nodes import joint_place, read_nodes
 from mien.formats.gltf_read import read_gltf
 
 PRESETS: Mapping[str, str] = {
@@ -59,12 +60,14 @@ def read_vrm(path: Path | str) -> Model:
     listed = {name: _sound(name, binds, known, notes) for name, binds in found}
     bones = dict(_bones(container, told, version, notes))
     eyes = bones.get("leftEye"), bones.get("rightEye")
+    head = bones.get("head")
     return replace(
         model,
         shapes=tuple(_shapes(model, listed, known)),
         forward=-1 if version == 0 else 1,
         notes=(*model.notes, *dict.fromkeys(notes)),
-        hooks=Hooks(bones.get("head"), eyes, version, bones),
+        hooks=Hooks(head, eyes, version, bones),
+        head_place=joint_place(container, read_nodes(container), head),
     )
 
 

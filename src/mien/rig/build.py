@@ -10,13 +10,14 @@ from numpy.typing import NDArray
 
 from mien.errors import InputError
 from mien.face.character import Character, KeyModels
-from mien.face.face import Array, Face, FeaturePoints, Ints, Material, Part
+from mien.face.face import Array, Face, FeaturePoints, Ints, Material
 from mien.face.model import Model
 from mien.face.origin import Origin
 from mien.rig.completion import LIDS, balanced, mirrored, on_surface, warped, with_pupils
 from mien.rig.components import Ball, components, find_ball
 from mien.rig.dress import dressed
 from mien.rig.openings import margins
+from mien.rig.parts import EYES, parts_of
 from mien.rig.picks import Picks
 from mien.rig.settle import settle
 from mien.vocabulary.fdp import feature_points
@@ -26,7 +27,6 @@ _MATERIALS = {
     "eye": Material(roughness=0.15, specular=0.8),
     "other": Material(roughness=0.7, specular=0.25),
 }
-_EYES = ("eye_left", "eye_right")
 _CARRIED_AWAY = 0.6
 """Widths from eye to eye: what carries a thing as far hides it, and is no expression."""
 _NEAR_DECAL = 0.15
@@ -70,8 +70,10 @@ def build(model: Model, picks: Picks, unit: float | None, *, seen: bool = False)
         whole = settle(balanced(whole), vertices[acting], fields[:, acting], lids=balls is None)
         whole |= _margins(vertices, triangles, on_skin, balls, whole)
     points, pivots = _points(vertices, triangles, skin, fields, whole, balls)
+    if model.head_place is not None:
+        pivots["head"] = upright(model.head_place)
     origin = (pivots["eye_left"] + pivots["eye_right"]) / 2.0
-    order, parts = _parts(model, part, skin, balls)
+    order, parts = parts_of(model, part, vertices, skin, balls, float(pivots["head"][1]))
     colours = np.concatenate([part.colours for part in model.parts])
     row = np.empty(len(order), dtype=np.int32)
     row[order] = np.arange(len(order), dtype=np.int32)
@@ -110,10 +112,10 @@ def _points(
         points = _on_decals(points, places, vertices, triangles, fields)
     if balls is not None:
         eyes = balls[0].vertices | balls[1].vertices
-        pivots |= {eye: ball.centre for eye, ball in zip(_EYES, balls, strict=True)}
+        pivots |= {eye: ball.centre for eye, ball in zip(EYES, balls, strict=True)}
         return with_pupils(points, vertices, triangles, eyes), pivots
     at = points.at(vertices)
-    for eye, lids in zip(_EYES, LIDS, strict=True):
+    for eye, lids in zip(EYES, LIDS, strict=True):
         corners = at[points.index(lids)]
         # An eye without a ball of its own turns half its width behind its lids.
         depth = float(np.linalg.norm(corners[0] - corners[1])) / 2.0
@@ -217,44 +219,6 @@ def _skin(vertices: Array, triangles: Ints, part: NDArray[np.intp], picks: Picks
     on = on_surface(places, vertices, triangles)
     most = np.bincount(part[on.vertices[:, 0]]).argmax()
     return np.asarray(triangles[part[triangles[:, 0]] == most])
-
-
-def _parts(
-    model: Model, part: NDArray[np.intp], skin: Ints, balls: tuple[Ball, Ball] | None
-) -> tuple[NDArray[np.intp], list[Part]]:
-    """The order (V,) in which parts are runs of vertices, and the parts with triangles that still
-    have the model's numbers."""
-    count = len(part)
-    owner = np.empty(count, dtype=np.intp)
-    first = np.cumsum([0, *(len(p.vertices) for p in model.parts)])
-    for number in range(len(model.parts)):
-        owner[first[number] : first[number + 1]] = number
-    kinds = [(_safe(piece.name), "other", "head") for piece in model.parts]
-    on_skin = np.zeros(count, dtype=bool)
-    on_skin[skin] = True
-    for number in np.unique(owner[on_skin]):
-        kinds[number] = (kinds[number][0], "skin", "head")
-    if balls is not None:
-        for side, ball in enumerate(balls):
-            owner[ball.vertices] = len(kinds)
-            kinds.append((_EYES[side], "eye", _EYES[side]))
-    order = np.argsort(owner, kind="stable")
-    triangles = model.triangles
-    parts, start = [], 0
-    names: list[str] = []
-    for number, (name, material, follows) in enumerate(kinds):
-        size = int((owner == number).sum())
-        if not size:
-            continue
-        names.append(name if name not in names else f"{name} {number}")
-        own = triangles[owner[triangles[:, 0]] == number]
-        parts.append(Part(names[-1], material, start, start + size, own, follows))
-        start += size
-    return order, parts
-
-
-def _safe(name: str) -> str:
-    return name[:100] or "part"
 
 
 def _fields(model: Model, upright: Upright) -> tuple[tuple[str, ...], NDArray[np.float32]]:
