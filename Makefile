@@ -11,6 +11,7 @@
 
 export UV_PYTHON_DOWNLOADS := never
 export UV_PROJECT_ENVIRONMENT := .venv
+export MIEN_WITHOUT_PAGE := 1
 UV_VERSION := 0.13.9
 UV := .boot/bin/uv
 BIN := .venv/bin
