@@ -17,6 +17,8 @@ _REACH = 0.8
 """Widths of an eye within which the middle of its ball lies from the middle of its lids."""
 _SIZES = (0.3, 2.0)
 """Radius of an eyeball in widths of its eye."""
+_FRONT = 0.93
+"""Cosine of the angle from straight ahead within which an eyeball has vertices."""
 _FEWEST = 12
 _LARGEST = 0.15
 """Radius of an eyeball, at most, in lengths of the whole."""
@@ -54,12 +56,20 @@ def find_ball(vertices: Array, part: NDArray[np.intp], lids: Array) -> Ball | No
             continue
         centre, radius, off = _sphere(vertices[own])
         here = np.linalg.norm((centre - middle)[:2]) < _REACH * width
-        if here and _SIZES[0] < radius / width < _SIZES[1] and off < _ROUND * radius:
+        round_ = off < _ROUND * radius and _has_front(vertices[own], centre)
+        if here and round_ and _SIZES[0] < radius / width < _SIZES[1]:
             found.append((radius, centre, int(number)))
     if not found:
         return None
     centre = max(found, key=lambda ball: ball[0])[1]
     return Ball(np.isin(part, [number for _, _, number in found]), centre)
+
+
+def _has_front(places: Array, centre: Array) -> bool:
+    """Whether places (N, 3) on a sphere reach its front: lashes lie about a ball and do not."""
+    away = places - centre
+    ahead = away[:, 2] / np.maximum(np.linalg.norm(away, axis=1), 1e-12)
+    return bool(ahead.max() > _FRONT)
 
 
 def _sphere(places: Array) -> tuple[Array, float, float]:
@@ -83,7 +93,8 @@ def round_pair(vertices: Array, part: NDArray[np.intp]) -> list[Ball]:
         if own.sum() < _FEWEST:
             continue
         centre, radius, off = _sphere(vertices[own])
-        if off < _ROUND * radius and radius < _LARGEST * size:
+        round_ = off < _ROUND * radius and _has_front(vertices[own], centre)
+        if round_ and radius < _LARGEST * size:
             found.append((int(number), centre, radius))
     for i, (_, centre, radius) in enumerate(found):
         for _, other, size_ in found[i + 1 :]:

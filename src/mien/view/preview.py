@@ -28,7 +28,7 @@ _ALONE = 540
 """The same where there is only one."""
 _HEADROOM = 2.6
 """Diameter of what counts as head, in heights of its feature points."""
-_MARGIN = 1.1
+_MARGIN = 1.3
 _AHEAD = 4
 """Frames that wait at most: memory does not grow with the take."""
 _WIDEST = 2.4
