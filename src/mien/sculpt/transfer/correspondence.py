@@ -31,6 +31,11 @@ _STRAY = 8.0
 """mm by which a point may go elsewhere than its neighbours."""
 _SMOOTHING = 0.03
 """Of the radial warp, in the unit of ``rbf.fit``: about 2 mm on a head."""
+_SURROUNDINGS = 15.0
+"""mm about a place over which the warp's stretch is measured ..."""
+_STRETCH = (0.05, 20.0)
+"""... and kept within, by volume."""
+_BELIEF = 0.5
 _PLATE = (30.0, 10.0, 3.0, 1.5)
 """How firm the plate is in each round of the fit, against one closest place a vertex."""
 _STIFFNESS = 0.01
@@ -49,7 +54,10 @@ class Correspondence:
     """Source skin of S vertices laid on a target skin of V vertices."""
 
     similarity: Similarity
-    """Brings the source, and its motion, to the target's place and size."""
+    """Brings the source to the target's place and size."""
+    scale: Array
+    """(S,) how much longer motion is on the target than at each vertex of the source. Its
+    direction stays: both faces are in the head frame."""
     warped: Array
     """(S, 3) the source's vertices on the target, mm in the target's head frame."""
     partner: sparse.csr_matrix
@@ -83,9 +91,21 @@ def correspond(source: Face, target: Face, skin: Skin, own: Skin) -> Corresponde
     places = similarity(from_places[good])
     field = rbf.fit(places, to_places[good] - places, smoothing=_SMOOTHING)
     rest = similarity(skin.vertices)
+    scale = similarity.scale * _local_scale(field, rest)
     seen = outside(rest, skin.triangles) & ~_lids(source, rest, similarity)
     warped = _fit(rest + field(rest), skin.triangles, seen, own)
-    return _partners(similarity, warped, skin.triangles, own)
+    return _partners(similarity, scale, warped, skin.triangles, own)
+
+
+def _local_scale(field: rbf.Field, places: Array) -> Array:
+    """(S,) by how much the warp stretches the surroundings of ``places``, half believed: between
+    two people motion does not grow with the face, between kinds of animals it does."""
+    rows = []
+    for axis in np.eye(3):
+        step = _SURROUNDINGS * axis
+        rows.append(axis + (field(places + step) - field(places - step)) / (2 * _SURROUNDINGS))
+    volume = np.linalg.det(np.stack(rows, axis=1)).clip(*_STRETCH)
+    return np.asarray(np.cbrt(volume) ** _BELIEF)
 
 
 def _agreeing(places: Array, to_places: Array) -> NDArray[np.bool_]:
@@ -138,11 +158,13 @@ def _fit(warped: Array, triangles: Ints, seen: NDArray[np.bool_], own: Skin) -> 
     return warped
 
 
-def _partners(similarity: Similarity, warped: Array, triangles: Ints, own: Skin) -> Correspondence:
+def _partners(
+    similarity: Similarity, scale: Array, warped: Array, triangles: Ints, own: Skin
+) -> Correspondence:
     normals = vertex_normals(own.vertices, own.triangles)
     found = ClosestPoints(warped, triangles)(own.vertices, normals, _TURNED)
     partner = found.matrix(triangles, len(warped))
     middle = float(np.median(np.minimum(found.distance, _FAR)))
     near = np.exp(-((found.distance / (3.0 + 2.0 * middle)) ** 2))
     trust = near * np.clip(0.5 + found.facing, 0.0, 1.0)
-    return Correspondence(similarity, warped, partner, found.distance, trust)
+    return Correspondence(similarity, scale, warped, partner, found.distance, trust)

@@ -43,8 +43,7 @@ def make(target: Face, source: Character, shapes: Sequence[str], name: str) -> M
     rows = [source.keys.names.index(shape) for shape in shapes]
     motion = skin.gather(source.keys.displacements[rows])
     pair = correspond(source.face, target, skin, own)
-    reach = np.linalg.norm(motion, axis=2).max(axis=0) * pair.similarity.scale
-    made = Transfer(skin, own, pair, reach)(motion)
+    made = Transfer(skin, own, pair, np.linalg.norm(motion, axis=2).max(axis=0))(motion)
     made, notes = close_lids(source.face, skin, motion, target, own, made)
     names = tuple(shapes)
     moved = move_parts(target, own, made, source, names, pair.similarity).astype(np.float32)
