@@ -30,8 +30,9 @@ from mien.face.library import generic_face
 from mien.mapping.blend import WEIGHT, Blend, blend, learn_misfit
 from mien.mapping.bounded import bounded
 from mien.mapping.genetic import genetic, repaired
-from mien.mapping.reconstruct import calm, databank_scale
+from mien.mapping.reconstruct import databank_scale
 from mien.numeric.noise import noise_of
+from mien.numeric.steady import steady
 from mien.recipe import capture_markers
 from report import show
 
@@ -57,7 +58,7 @@ def main() -> None:
         folder = options.faces or options.take.resolve().parent.parent / "ict"
         fields, motion, rate = from_take(options.take, folder)
     noise = np.full(fields.shape[1], max(noise_of(motion), 1e-3))
-    motion, left = calm(motion, rate)
+    motion, left = steady(motion, rate)
     variance = (left * noise) ** 2 + learn_misfit(fields, motion, left * noise, bounded)
     problem = blend(fields, motion, variance, rate)
     curve(fields, motion, problem, options.plot)

@@ -33,9 +33,10 @@ from mien.face.databank import Databank
 from mien.face.face import Face
 from mien.formats.c3d import read_c3d
 from mien.mapping.genetic import genetic
-from mien.mapping.reconstruct import Reconstruction, calm, reconstruct
+from mien.mapping.reconstruct import Reconstruction, reconstruct
 from mien.mapping.residual import believe, spread
 from mien.numeric.procrustes import align
+from mien.numeric.steady import steady
 from mien.performance.performance import Performance
 from mien.recipe import capture_markers
 from report import show
@@ -153,7 +154,7 @@ def rbf(performance: Performance, face: Face, truth: Truth, smooth: bool) -> flo
     worn = face.points.at(face.vertices)[face.points.index(performance.points)]
     motion = performance.motion @ align(performance.neutral, worn).rotation.T
     if smooth:
-        motion, _ = calm(motion, 1.0 / float(np.diff(performance.time).mean()))
+        motion, _ = steady(motion, 1.0 / float(np.diff(performance.time).mean()))
     moved = believe(motion[truth.frames], worn, np.zeros(len(worn)))
     shown = np.einsum("vp,fpx->fvx", spread(face.vertices, worn), moved)
     return float(np.linalg.norm(shown - truth.motion, axis=-1).mean())

@@ -29,9 +29,9 @@ RATE = 120.0
 
 
 def act(frames: int = 600, noise: float = 0.1, seed: int = 0) -> tuple[MarkerTake, Array, Array]:
-    """The generic face in markers and a jig acts some of its shapes and moves its head, at rest
-    for the first half second. Returns the take, where the face's markers truly are in the head
-    (F, M, 3) and their neutral (M, 3), mm."""
+    """The generic face in markers and a jig acts some of its shapes and moves its head; it rests
+    for the first half second, and often. Returns the take, where the face's markers truly are in
+    the head (F, M, 3) and their neutral (M, 3), mm."""
     random = np.random.default_rng(seed)
     generic = generic_face()
     rows = generic.face.points.index(list(WORN.values()))
@@ -40,6 +40,7 @@ def act(frames: int = 600, noise: float = 0.1, seed: int = 0) -> tuple[MarkerTak
     fields = generic.face.points.at(np.stack([generic.keys[name] for name in chosen]))[:, rows]
     time = np.arange(frames) / RATE
     knots = random.uniform(0.0, 0.8, (frames // 40 + 3, len(chosen)))
+    knots *= random.random(knots.shape) < 0.4
     knots[:3] = 0.0
     levels = np.stack([np.interp(time, np.arange(len(knots)) / 3.0, knot) for knot in knots.T], 1)
     kernel = np.hanning(25) / np.hanning(25).sum()

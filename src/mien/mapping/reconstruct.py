@@ -13,7 +13,6 @@ from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter1d
 
 from mien.errors import InputError
 from mien.face.databank import Databank
@@ -24,6 +23,7 @@ from mien.mapping.genetic import genetic, repaired
 from mien.mapping.residual import believe, spread
 from mien.numeric.noise import noise_of
 from mien.numeric.procrustes import align
+from mien.numeric.steady import steady
 from mien.performance.performance import Performance
 
 Array = NDArray[np.float64]
@@ -32,8 +32,6 @@ SOLVERS: Mapping[str, Solver] = MappingProxyType(
     {"bounded": bounded, "genetic": genetic, "repaired": repaired}
 )
 """The first is the default."""
-_CALM = 0.021
-"""Seconds, standard deviation of the smoothing in time: faces move by less than 10 Hz."""
 _FEWEST = 8
 _PAIRS = (("8.3", "8.4"), ("4.5", "4.6"), ("9.3", "2.1"), ("5.3", "5.4"))
 """Mouth corners, outer brows, nose tip and chin, cheek bones: a set of markers has no eyes."""
@@ -106,7 +104,7 @@ def reconstruct(
     motion = performance.motion[:, rows] @ align(worn, on_face).rotation.T
     noise = np.full(len(points), max(noise_of(motion), 1e-4))
     if smooth:
-        motion, left = calm(motion, _rate(performance))
+        motion, left = steady(motion, _rate(performance))
         noise = noise * left
     fields = bank.face.points.at(bank.displacements)[:, bank.face.points.index(points)]
     misfit = learn_misfit(fields, scale * motion, scale * noise, bounded)
@@ -136,15 +134,6 @@ def databank_scale(points: list[str], worn: Array, face: Face) -> float:
         pairs = ", ".join(f"{first} and {second}" for first, second in _PAIRS)
         raise InputError(f"no scale can be told: none of {pairs} is among the markers")
     return float(np.mean(ratios))
-
-
-def calm(motion: Array, rate: float) -> tuple[Array, float]:
-    """Motion (F, P, 3) through a Gaussian in time, and the part of white noise that is left."""
-    width = _CALM * rate
-    impulse = np.zeros(2 * int(np.ceil(6 * width)) + 1)
-    impulse[len(impulse) // 2] = 1.0
-    left = float(np.linalg.norm(gaussian_filter1d(impulse, width)))
-    return np.asarray(gaussian_filter1d(motion, width, axis=0)), left
 
 
 def _rate(performance: Performance) -> float:

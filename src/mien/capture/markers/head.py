@@ -3,8 +3,7 @@
 A frame's pose is the rigid motion that lays the markers at rest on those seen, each trusted as
 far as it keeps its place: jig markers decide, the skin helps where a jig marker is hidden, and
 without a jig the calm skin (forehead, nose bridge) decides. Heads are heavy: the pose is smoothed
-by a running parabola, which follows any steady acceleration, over as long a window as the take's
-own head motion allows (Stein's unbiased risk estimate).
+over as long a window as the take's own head motion allows (``numeric.steady``).
 
 [Z] §3 takes rotation from three jig markers and translation from the nose tip, frame by frame;
 it is kept for comparison (``by_nose_tip``). The nose tip is not at rest in the head, and three
@@ -17,15 +16,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import savgol_coeffs, savgol_filter
 
-from mien.numeric.noise import noise_of
 from mien.numeric.rotation import from_vector, to_vector
+from mien.numeric.steady import steady
 
 Array = NDArray[np.float64]
 
-_WINDOWS = (0.05, 0.1, 0.2, 0.3, 0.5, 0.8, 1.3, 2.0)
-"""Seconds of the running parabola to choose from: as long as the head's motion allows."""
 _LEVER = 80.0
 """mm, from the middle of a face to its rim: how far a radian moves it."""
 _SKIN = 0.05
@@ -120,22 +116,9 @@ def _steady(motion: HeadMotion, centre: Array, rate: float) -> HeadMotion:
     middle = motion.rotation[len(motion.rotation) // 2]
     vectors = to_vector(middle.T @ motion.rotation)
     path = motion.translation + motion.rotation @ centre
-    pose = np.concatenate([_LEVER * vectors, path], axis=1)
-    windows = [2 * round(seconds * rate / 2.0) + 1 for seconds in _WINDOWS]
-    windows = [window for window in windows if 5 <= window <= len(pose)]
-    if not windows:
-        return motion
-    tries = [savgol_filter(pose, window, 2, axis=0) for window in windows]
-    pose = tries[int(np.argmin([_risk(pose, *each) for each in zip(tries, windows, strict=True)]))]
+    pose, _ = steady(np.concatenate([_LEVER * vectors, path], axis=1), rate)
     rotation = middle @ from_vector(pose[:, :3] / _LEVER)
     return HeadMotion(rotation, pose[:, 3:] - rotation @ centre)
-
-
-def _risk(noisy: Array, smoothed: Array, window: int) -> float:
-    """Stein's unbiased estimate of the squared error of ``smoothed`` (F, 6), but for a constant."""
-    own = savgol_coeffs(window, 2)[window // 2]
-    noise = np.array([noise_of(column) for column in noisy.T])
-    return float((((noisy - smoothed) ** 2).mean(axis=0) + 2.0 * own * noise**2).sum())
 
 
 def _last(known: NDArray[np.bool_]) -> NDArray[np.intp]:
