@@ -36,18 +36,21 @@ from mien.vocabulary.fapu import measure
 
 Array = NDArray[np.float64]
 
-_USUAL = 0.5
-"""What a FAP usually does, of what it can do at most."""
+_USUAL, _USUAL_DEPTH = 0.5, 0.2
+"""What a FAP usually does, of what it can do at most: less in depth, where a head that nods a
+little would be taken for lips that are sucked in."""
+_EDGES, _CORNERS, _JAW, _POUT = 120.0, 50.0, 120.0, 150.0
 _KIN = (
-    *(({52: 1.0, 5: -1.0}, 120.0), ({57: 1.0, 10: -1.0}, 120.0), ({58: 1.0, 11: -1.0}, 120.0)),
-    *(({51: 1.0, 4: -1.0}, 120.0), ({55: 1.0, 8: -1.0}, 120.0), ({56: 1.0, 9: -1.0}, 120.0)),
-    *(({53: 1.0, 6: -1.0}, 50.0), ({54: 1.0, 7: -1.0}, 50.0)),
-    *(({59: 1.0, 12: -1.0}, 120.0), ({60: 1.0, 13: -1.0}, 120.0)),
-    *(({5: 1.0, 3: 1.0}, 250.0), ({10: 1.0, 3: 0.9}, 250.0), ({11: 1.0, 3: 0.9}, 250.0)),
-    *(({12: 1.0, 3: 0.3}, 250.0), ({13: 1.0, 3: 0.3}, 250.0)),
+    *(({52: 1.0, 5: -1.0}, _EDGES), ({57: 1.0, 10: -1.0}, _EDGES), ({58: 1.0, 11: -1.0}, _EDGES)),
+    *(({51: 1.0, 4: -1.0}, _EDGES), ({55: 1.0, 8: -1.0}, _EDGES), ({56: 1.0, 9: -1.0}, _EDGES)),
+    *(({59: 1.0, 12: -1.0}, _EDGES), ({60: 1.0, 13: -1.0}, _EDGES)),
+    *(({53: 1.0, 6: -1.0}, _CORNERS), ({54: 1.0, 7: -1.0}, _CORNERS)),
+    *(({5: 1.0, 3: 1.0}, _JAW), ({10: 1.0, 3: 0.9}, _JAW), ({11: 1.0, 3: 0.9}, _JAW)),
+    *(({12: 1.0, 3: 0.3}, 2 * _JAW), ({13: 1.0, 3: 0.3}, 2 * _JAW)),
+    *(({17: 1.0, 6: 0.6, 7: 0.6}, _POUT), ({16: 1.0, 6: 0.6, 7: 0.6}, _POUT)),
 )
 """Sums of FAPs that are usually small, and how small: outer edges of the lips against the inner,
-the lower lip and the corners against the jaw."""
+the lower lip and the corners against the jaw, lips that pout where the mouth narrows."""
 _FEWEST = 8
 _NOT_SKIN = frozenset({"3.5", "3.6", "7.1"})
 """Pupils turn with the gaze and the neck with the head."""
@@ -190,7 +193,8 @@ def fap_values(performance: Performance) -> Array:
 def _prior() -> Array:
     """(66, 66) quadratic form of what FAPs usually do, per value squared."""
     reach = np.array([fap.reach for fap in simple()])
-    prior = np.diag((_USUAL * reach) ** -2.0)
+    part = np.array([_USUAL_DEPTH if fap.axis == 2 else _USUAL for fap in simple()])
+    prior = np.diag((part * reach) ** -2.0)
     for together, usual in _KIN:
         row = np.zeros(len(reach))
         for number, factor in together.items():
