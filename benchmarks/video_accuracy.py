@@ -1,6 +1,7 @@
 """How far a captured performance is from a known truth.
 
     python benchmarks/video_accuracy.py --clip CLIP.mp4 --truth CLIP_truth.npz [--json]
+    ... --capture tracker --focal truth [--person truth] [--occluder] [--ablation]
 
 Head rotation in degrees after one constant alignment, motion of feature points, and the dense
 surface when the capture drives 25 faces on the performer's true neutral; beside plain PnP and
@@ -12,26 +13,37 @@ from __future__ import annotations
 
 import argparse
 import json
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
+from rich.console import Console
+from rich.table import Table
 
 import mien
+from mien.capture import CAPTURES, CaptureSettings
 from mien.capture.detector import follow
-from mien.capture.landmarks import WORLD_FROM_CAMERA
+from mien.capture.landmarks import USUAL_FOCAL, WORLD_FROM_CAMERA, calibrate, rest_of
+from mien.capture.neutral import ground
 from mien.capture.track import ROW, LandmarkTrack
+from mien.capture.tracker.capture import Faces, follow_take
+from mien.capture.tracker.meet import generic_person
+from mien.capture.tracker.perform import perform
+from mien.capture.tracker.trust import Trust
 from mien.face.character import Character, KeyModels
 from mien.face.face import Face, FeaturePoints, Material, Part
 from mien.face.library import generic_face
 from mien.face.pieces import split
 from mien.formats.sources import open_source
 from mien.numeric.rotation import angle_between
+from mien.performance.frame import Frame
 from mien.performance.performance import Performance
 from mien.vocabulary.landmarks import RIGID
 from report import show
+from true_person import NEUTRAL, surface_ratio, true_person
 
 Array = NDArray[np.float64]
 
@@ -51,12 +63,37 @@ def main() -> None:
     )
     parser.add_argument("--capture", default="landmarks")
     parser.add_argument("--mapping", default="cardinal")
+    parser.add_argument(
+        "--focal", default="unknown", help="truth, unknown, or pixels (default: %(default)s)"
+    )
+    parser.add_argument(
+        "--person",
+        choices=("own", "truth"),
+        default="own",
+        help="truth: the tracker is given the true mesh and shapes",
+    )
+    parser.add_argument(
+        "--occluder", action="store_true", help="paint a hand-sized thing that passes the face"
+    )
+    parser.add_argument(
+        "--ablation", action="store_true", help="the tracker with each of its terms left out"
+    )
     parser.add_argument("--json", action="store_true")
     options = parser.parse_args()
     databank = options.databank or options.truth.resolve().parent.parent / "ict"
 
     truth = dict(np.load(options.truth, allow_pickle=False))
-    performance = mien.capture(options.clip, method=options.capture)
+    focal = focal_length(options.focal, truth)
+    if options.ablation:
+        ablation(options, truth, focal)
+        return
+    if options.person == "truth":
+        figures = with_true_person(options, truth, databank, focal)
+        show("video_accuracy", f"Accuracy on {options.clip.name}", figures, options.json)
+        return
+    performance = CAPTURES[options.capture](
+        pictures(options), CaptureSettings(focal=focal), options.clip.name
+    )
     mean, p95 = rotation_error(WORLD_FROM_CAMERA @ performance.rotation, truth["R"])
     pnp_mean, pnp_p95 = rotation_error(*pnp(options.clip, truth))
     still, _ = rotation_error(np.broadcast_to(np.eye(3), truth["R"].shape), truth["R"])
@@ -75,6 +112,87 @@ def main() -> None:
         "amplitude": amplitude,
     }
     show("video_accuracy", f"Accuracy on {options.clip.name}", figures, options.json)
+
+
+def focal_length(said: str, truth: dict[str, Any]) -> float | None:
+    """Pixels, or None where nobody knows."""
+    if said == "unknown":
+        return None
+    return float(truth["K"][0, 0]) if said == "truth" else float(said)
+
+
+def pictures(options: argparse.Namespace) -> Iterable[Frame]:
+    """The clip, or the clip with something before it."""
+    return occluded(open_source(options.clip)) if options.occluder else open_source(options.clip)
+
+
+def occluded(frames: Iterable[Frame]) -> Iterator[Frame]:
+    """A striped disc of a fist's size that crosses the face from side to side again and again, two
+    seconds of three."""
+    for number, frame in enumerate(frames):
+        image = frame.image.copy()
+        height, width = image.shape[:2]
+        phase = number % 90
+        if phase < 60:
+            centre = (
+                width * (0.3 + 0.4 * phase / 60.0),
+                height * (0.62 - 0.1 * (number % 180 > 89)),
+            )
+            y, x = np.mgrid[:height, :width]
+            disc = (x - centre[0]) ** 2 + (y - centre[1]) ** 2 < (0.11 * height) ** 2
+            stripes = (140 + 40 * np.sin((x + 0.5 * y) / 9.0))[disc]
+            image[disc] = np.stack([stripes, 0.8 * stripes, 0.65 * stripes], axis=1)
+        yield Frame(image, frame.time)
+
+
+def watched(options: argparse.Namespace) -> tuple[LandmarkTrack, Faces]:
+    """What the detector and the tracker keep of the clip."""
+    faces = Faces()
+    return follow(pictures(options), beside=faces.look), faces
+
+
+def with_true_person(
+    options: argparse.Namespace, truth: dict[str, Any], databank: Path, focal: float | None
+) -> dict[str, float]:
+    """The tracker's figures where whose face it is is known."""
+    track, faces = watched(options)
+    focal = focal or USUAL_FOCAL * track.size[0]
+    somebody = true_person(truth, databank, track.points, focal, track.size)
+    done = follow_take(track, faces, somebody, NEUTRAL)
+    states = [found.state for found in done.found]
+    mean, p95 = rotation_error(np.array([s.rotation for s in states]), truth["R"])
+    weights = np.array([s.weights for s in states])
+    ratio = surface_ratio(weights, truth, somebody.space)
+    return {"rotation_mean_deg": mean, "rotation_p95_deg": p95, "surface_ratio": ratio}
+
+
+def ablation(options: argparse.Namespace, truth: dict[str, Any], focal: float | None) -> None:
+    """Print what each term of the tracker is worth."""
+    track, faces = watched(options)
+    base = ground(generic_face())
+    rest = rest_of(track, base, focal=focal)
+    known = calibrate(track, base, focal=focal)
+    databank = options.databank or options.truth.resolve().parent.parent / "ict"
+    table = Table("without", "rotation", "p95", "dense", "amplitude", title=options.clip.name)
+    left_out: dict[str, dict[str, Any]] = {
+        "nothing": {},
+        "texture": {"texture": 0.0},
+        "meeting (pose at rest, identity)": {"meeting": False},
+        "anchor": {"anchor": 1e-6},
+        "predictor": {"predictor": False},
+        "keyframes": {"keyframes": False},
+        "motion prior": {"motion": False},
+        "second start": {"retry": False},
+        "prior on expressions": {"spread": 5.0},
+    }
+    for name, trust in left_out.items():
+        somebody = generic_person(known, track.size)
+        done = follow_take(track, faces, somebody, rest, Trust(**trust))
+        performance = perform(track, done.found, done.met, known, name)
+        mean, p95 = rotation_error(WORLD_FROM_CAMERA @ performance.rotation, truth["R"])
+        ratio, amplitude = dense_error(performance, truth, databank, options.mapping)
+        table.add_row(name, *(f"{value:.2f}" for value in (mean, p95, ratio, amplitude)))
+    Console().print(table)
 
 
 def rotation_error(estimated: Array, true: Array) -> tuple[float, float]:

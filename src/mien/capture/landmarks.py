@@ -32,7 +32,7 @@ POINT_ROWS = np.array([ROW[i] for i in feature_points().values()])
 _FACE_ROWS = np.array([row for i, row in ROW.items() if i < FACE_LANDMARKS])
 
 
-def _by_region(**values: float) -> Array:
+def by_region(**values: float) -> Array:
     """(P,) one value a feature point, by the region it lies in."""
     region = {"2": "lips", "3": "lids", "4": "brows", "5": "cheeks", "8": "lips", "9": "nose"}
     special = {"2.1": "chin", "2.10": "chin"}
@@ -40,9 +40,9 @@ def _by_region(**values: float) -> Array:
     return np.array([values[special.get(p, region[p.split(".")[0]])] for p in POINTS])
 
 
-SIGMA = _by_region(lips=1.0, brows=1.5, cheeks=2.0, nose=1.5, chin=3.0, lids=1.0, corners=2.0)
+SIGMA = by_region(lips=1.0, brows=1.5, cheeks=2.0, nose=1.5, chin=3.0, lids=1.0, corners=2.0)
 """(P,) mm, standard error of the network's points."""
-GAIN = _by_region(lips=1.15, brows=2.0, cheeks=1.6, nose=1.6, chin=1.6, lids=1.0, corners=1.0)
+GAIN = by_region(lips=1.15, brows=2.0, cheeks=1.6, nose=1.6, chin=1.6, lids=1.0, corners=1.0)
 """(P,) the network under-reports motion, each region by its own factor; this undoes it."""
 SPANS = (
     *(

@@ -10,7 +10,6 @@ mien; ``read_shape_space`` makes one from any set of meshes that share their top
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -18,9 +17,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.face.face import FeaturePoints
 from mien.face.library import generic_face
-from mien.vocabulary.landmarks import FACE_LANDMARKS, feature_points
+from mien.vocabulary.landmarks import FACE_LANDMARKS
 from mien.vocabulary.topology import SILHOUETTE, TRIANGLES
 
 Array = NDArray[np.float64]
@@ -29,7 +27,7 @@ Ints = NDArray[np.int32]
 IDENTITY_FILE = Path(__file__).parent / "data" / "identity.npz"
 PUPIL_DISTANCE = 63.0
 """mm between the pupils of everybody in the generic face's space: one camera has no scale."""
-_SPREAD = 0.3
+_SPREAD = 0.18
 """Prior spread of an expression's weight where nothing else is known."""
 
 
@@ -51,8 +49,6 @@ class ShapeSpace:
     """(K)"""
     spread: Array
     """(K,) standard deviation of each weight about zero."""
-    points: FeaturePoints
-    """Feature points on the mesh."""
 
     def person(self, coefficients: Array) -> Array:
         """(V, 3) the person at rest with identity ``coefficients`` (I,)."""
@@ -91,8 +87,6 @@ def generic_space() -> ShapeSpace:
     rows = [generic.keys.names.index(name) for name in generic.examples]
     eyes = generic.face.pivots
     scale = PUPIL_DISTANCE / float(np.linalg.norm(eyes["eye_left"] - eyes["eye_right"]))
-    points: Mapping[str, int] = feature_points()
-    corners = np.repeat(np.array(list(points.values()), dtype=np.int32)[:, None], 3, axis=1)
     return ShapeSpace(
         neutral=generic.face.vertices[:FACE_LANDMARKS] * scale,
         triangles=TRIANGLES.astype(np.int32),
@@ -101,5 +95,4 @@ def generic_space() -> ShapeSpace:
         expression=generic.keys.displacements[rows][:, :FACE_LANDMARKS].astype(float) * scale,
         names=generic.examples,
         spread=np.full(len(rows), _SPREAD),
-        points=FeaturePoints(tuple(points), corners, np.tile([1.0, 0.0, 0.0], (len(corners), 1))),
     )

@@ -1,8 +1,9 @@
-"""A whole take: met, then followed from its rest to both ends."""
+"""A whole take: watched once, its performer met, then followed from rest to both ends."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,19 +12,24 @@ from mien.capture import landmarks
 from mien.capture.detector import follow
 from mien.capture.neutral import ground
 from mien.capture.settings import CaptureSettings, Progress
+from mien.capture.track import LandmarkTrack
 from mien.capture.tracker.crop import Crop, Kept, cut, pack, unpack
 from mien.capture.tracker.look import take
-from mien.capture.tracker.meet import ROWS, Crops, Meeting, generic_person, meet
+from mien.capture.tracker.meet import Crops, Meeting, generic_person, meet
 from mien.capture.tracker.perform import perform
+from mien.capture.tracker.person import Person
+from mien.capture.tracker.trace import trace
 from mien.capture.tracker.track import Found, Tracker
+from mien.capture.tracker.trust import Trust
 from mien.face.library import generic_face
 from mien.performance.frame import Frame
 from mien.performance.performance import Performance
+from mien.performance.trace import Trace
 
 Array = NDArray[np.float64]
 
 
-class _Crops:
+class Faces:
     """The faces of a take, packed: ten minutes must not fill the memory."""
 
     def __init__(self) -> None:
@@ -34,11 +40,16 @@ class _Crops:
         if points is not None:
             self._kept.append(pack(cut(frame.image, points)))
 
-    def __len__(self) -> int:
-        return len(self._kept)
-
     def __getitem__(self, index: int) -> Crop:
         return unpack(self._kept[index])
+
+
+@dataclass(frozen=True, slots=True)
+class Followed:
+    """The result for the frames of a take that show a face."""
+
+    met: Meeting
+    found: list[Found]
 
 
 def tracker(
@@ -49,23 +60,46 @@ def tracker(
 ) -> Performance:
     """The performance in ``frames``. Raises NoFaceError where there is none, InputError where the
     face is not seen in the seconds named neutral."""
-    crops = _Crops()
-    track = follow(frames, progress, crops.look)
+    faces = Faces()
+    track = follow(frames, progress, faces.look)
     base = ground(generic_face())
     rest = landmarks.rest_of(track, base, neutral=settings.neutral, focal=settings.focal)
     known = landmarks.calibrate(track, base, neutral=settings.neutral, focal=settings.focal)
-    points = track.points[~track.lost][:, ROWS, :2].astype(float)
-    met = meet(generic_person(known, track.size), points, rest, crops)
-    return perform(track, follow_both_ways(met, points, crops, rest), met, known, source)
+    done = follow_take(track, faces, generic_person(known, track.size), rest)
+    if settings.watch is not None:
+        _show(settings, track, done)
+    return perform(track, done.found, done.met, known, source)
 
 
-def follow_both_ways(met: Meeting, points: Array, crops: Crops, rest: slice) -> list[Found]:
-    """Every frame, followed from the resting one to the end and to the beginning."""
+def follow_take(
+    track: LandmarkTrack, faces: Crops, somebody: Person, rest: slice, trust: Trust | None = None
+) -> Followed:
+    """Meet ``somebody`` in a take and follow them. ``rest`` are the neutral ones among the frames
+    that show a face, and ``faces`` those frames' crops."""
+    points = track.points[~track.lost][:, somebody.rows, :2].astype(float)
+    met = meet(somebody, points, rest, faces, trust)
     middle = (rest.start + rest.stop) // 2
-    found: dict[int, Found] = {}
+    gap = _gaps(track)
     look = take(met.person, met.crop, met.rest)
+    found: dict[int, Found] = {}
     for way in (range(middle, len(points)), range(middle - 1, -1, -1)):
-        tracker = Tracker(met.person, [look], met.rest)
+        following = Tracker(met.person, [look], met.rest, trust)
         for frame in way:
-            found[frame] = tracker.step(crops[frame], points[frame])
-    return [found[frame] for frame in range(len(points))]
+            if gap[frame if way.step > 0 else frame + 1]:
+                following.lose()
+            found[frame] = following.step(faces[frame], points[frame])
+    return Followed(met, [found[frame] for frame in range(len(points))])
+
+
+def _gaps(track: LandmarkTrack) -> NDArray[np.bool_]:
+    """(F,) of the frames that show a face: none was seen just before."""
+    seen = np.flatnonzero(~track.lost)
+    return np.diff(seen, prepend=seen[0] - 1) > 1
+
+
+def _show(settings: CaptureSettings, track: LandmarkTrack, done: Followed) -> None:
+    """Tell the user's ``watch`` what was seen in every frame."""
+    left = iter(done.found)
+    for lost in track.lost.tolist():
+        if settings.watch is not None:
+            settings.watch(Trace(lost=True) if lost else trace(done.met.person, next(left)))

@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 
 
 LOSS = cauchy(2.5)
-"""In standard errors: some landmarks lie where an expression the shapes do not know has put them."""
+"""Some landmarks lie where an expression that the shapes do not know has put them."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,7 +16,8 @@ from mien.capture.tracker.crop import Crop
 from mien.capture.tracker.look import take
 from mien.capture.tracker.person import Person, person
 from mien.capture.tracker.state import State
-from mien.capture.tracker.track import Tracker, Trust
+from mien.capture.tracker.track import Tracker
+from mien.capture.tracker.trust import Trust
 from mien.face.shape_space import generic_space
 from mien.numeric.biharmonic import Handles, spread, uniform_laplacian
 from mien.numeric.rotation import angle_between
@@ -36,7 +37,7 @@ _FARTHEST = 38.0
 _POSE_SIGMA = (0.05, 10.0)
 """Radians and mm by which landmarks may place the face at rest wrongly."""
 _FREE_MODES = 15
-_ROUNDS = (0, 0, 0, 1, 1, 1)
+_ROUNDS = (0, 0, 0, 0, 1, 1, 1, 1)
 _IDENTITY_SIGMA = np.array([1.0, 1.0, 2.0])
 """mm along x, y, z of the landmarks' neutral."""
 
@@ -70,7 +71,7 @@ def generic_person(known: Calibration, size: tuple[int, int]) -> Person:
     )
     corners = np.repeat(VERTICES[:, None], 3, axis=1).astype(np.int32)
     shares = np.tile([1.0, 0.0, 0.0], (len(VERTICES), 1))
-    return person(space, neutral, (corners, shares), known.focal, size)
+    return person(space, neutral, (corners, shares), ROWS, known.focal, size)
 
 
 def meet(
@@ -87,6 +88,8 @@ def meet(
     usual = np.median(points[rest], axis=0)
     state = _at_rest(somebody, usual)
     somebody = _excused(somebody, usual, state)
+    if not trust.meeting:
+        return Meeting(somebody, state, crops[middle])
     states = _alone(somebody, points)
     chosen = spread_views(np.array([s.rotation for s in states]), state.rotation)
     start = Tracker(somebody, [take(somebody, crops[middle], state)], state, trust)
@@ -139,7 +142,7 @@ def _excused(somebody: Person, usual: Array, state: State) -> Person:
 
 def _alone(somebody: Person, points: Array) -> list[State]:
     """What the landmarks of every frame tell by themselves."""
-    shapes = np.moveaxis(somebody.landmarks.shapes, 2, 0)
+    shapes = somebody.landmarks.fields()
     model = HeadModel(somebody.landmarks.neutral, shapes, np.arange(points.shape[1]))
     fit = fit_heads(model, (points - somebody.centre) / somebody.focal)
     return [State(*each) for each in zip(fit.rotation, fit.translation, fit.weights, strict=True)]

@@ -29,6 +29,8 @@ class Person:
     """N places the detector points at."""
     pins: tuple[NDArray[np.int32], Array]
     """(N, 3) vertices and shares of each of them."""
+    rows: Index
+    """(N,) their rows of a landmark track."""
     focal: float
     """Pixels."""
     centre: tuple[float, float]
@@ -54,6 +56,7 @@ def person(
     space: ShapeSpace,
     neutral: Array,
     pins: tuple[NDArray[np.int32], Array],
+    rows: Index,
     focal: float,
     size: tuple[int, int],
 ) -> Person:
@@ -63,7 +66,7 @@ def person(
     texels = chart.sites(neutral, space.expression)
     landmarks = pinned(neutral, space.expression, *pins)
     nothing = np.zeros((len(landmarks), 2))
-    return Person(space, neutral, chart, texels, landmarks, pins, focal, centre, nothing)
+    return Person(space, neutral, chart, texels, landmarks, pins, rows, focal, centre, nothing)
 
 
 def pinned(neutral: Array, expression: Array, corners: NDArray[np.int32], shares: Array) -> Sites:

@@ -16,11 +16,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from mien.numeric.rotation import from_vector
 
 Array = NDArray[np.float64]
+Floats = NDArray[np.float32]
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,33 +70,68 @@ class Lens:
 class Sites:
     """N places on a face and the K shapes that move them, laid out for speed."""
 
-    def __init__(self, neutral: Array, shapes: Array) -> None:
+    def __init__(self, neutral: Array, shapes: Array | Floats) -> None:
         """``neutral`` (N, 3) and ``shapes`` (K, N, 3), mm, head frame."""
-        self.neutral = neutral
-        self.shapes = np.ascontiguousarray(np.moveaxis(shapes, 0, 2))
+        self.neutral = np.ascontiguousarray(neutral, dtype=float)
+        self.shapes = np.ascontiguousarray(np.moveaxis(shapes, 0, 2), dtype=np.float32)
         """(N, 3, K)"""
 
     def __len__(self) -> int:
         return len(self.neutral)
 
+    def fields(self) -> Array:
+        """(K, N, 3) the shapes."""
+        return np.moveaxis(self.shapes, 2, 0).astype(float)
+
     def take(self, rows: NDArray[np.intp]) -> Sites:
         """Some of the places."""
-        return Sites(self.neutral[rows], np.moveaxis(self.shapes[rows], 2, 0))
-
-    def at(self, weights: Array) -> Array:
-        """(N, 3) in the head frame."""
-        return np.asarray(self.neutral + self.shapes @ weights)
+        return Sites(self.neutral[rows], self.shapes[rows].transpose(2, 0, 1))
 
     def seen(self, state: State) -> Array:
         """(N, 3) in the camera frame."""
-        return np.asarray(self.at(state.weights) @ state.rotation.T + state.translation)
+        places = np.empty((len(self), 3))
+        _pose(self.neutral, self.shapes, state.rotation, state.translation, state.weights, places)
+        return places
 
     def chain(self, slope: Array, places: Array, state: State) -> Array:
         """(N, 6 + K) derivative by the unknowns of residuals, one a place, whose derivative by
         ``places`` (N, 3) in the camera frame is ``slope`` (N, 3)."""
         jacobian = np.empty((len(self), 6 + self.shapes.shape[2]))
-        jacobian[:, :3] = np.cross(places - state.translation, slope)
-        jacobian[:, 3:6] = slope
-        back = slope @ state.rotation
-        np.einsum("ni,nik->nk", back, self.shapes, out=jacobian[:, 6:])
+        _chain(self.shapes, state.rotation, state.translation, places, slope, jacobian)
         return jacobian
+
+
+@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
+def _pose(
+    neutral: Array, shapes: Floats, rotation: Array, shift: Array, weights: Array, places: Array
+) -> None:
+    """R (N + sum w D) + t into ``places`` (N, 3)."""
+    level = weights.astype(np.float32)
+    head = np.empty(3)
+    for n in range(len(neutral)):
+        for i in range(3):
+            moved = np.float32(0.0)
+            for k in range(len(level)):
+                moved += level[k] * shapes[n, i, k]
+            head[i] = neutral[n, i] + moved
+        for i in range(3):
+            row = rotation[i]
+            places[n, i] = row[0] * head[0] + row[1] * head[1] + row[2] * head[2] + shift[i]
+
+
+@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
+def _chain(
+    shapes: Floats, rotation: Array, shift: Array, places: Array, slope: Array, jacobian: Array
+) -> None:
+    """(Y - t) x h, h and R' h . D into the rows of ``jacobian`` (N, 6 + K)."""
+    for n in range(len(places)):
+        x, y, z = places[n, 0] - shift[0], places[n, 1] - shift[1], places[n, 2] - shift[2]
+        a, b, c = slope[n, 0], slope[n, 1], slope[n, 2]
+        row = jacobian[n]
+        row[0], row[1], row[2] = y * c - z * b, z * a - x * c, x * b - y * a
+        row[3], row[4], row[5] = a, b, c
+        across = rotation[0, 0] * a + rotation[1, 0] * b + rotation[2, 0] * c
+        up = rotation[0, 1] * a + rotation[1, 1] * b + rotation[2, 1] * c
+        out = rotation[0, 2] * a + rotation[1, 2] * b + rotation[2, 2] * c
+        for k in range(shapes.shape[2]):
+            row[6 + k] = across * shapes[n, 0, k] + up * shapes[n, 1, k] + out * shapes[n, 2, k]

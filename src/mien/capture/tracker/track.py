@@ -12,10 +12,11 @@ from mien.capture.tracker.crop import Crop
 from mien.capture.tracker.landmark_term import LandmarkTerm
 from mien.capture.tracker.look import Look, pictures, take, visible
 from mien.capture.tracker.person import Person
-from mien.capture.tracker.prior_term import PriorTerm
+from mien.capture.tracker.prior_term import MotionTerm, PriorTerm
 from mien.capture.tracker.solve import Term, solve, step
 from mien.capture.tracker.state import State
 from mien.capture.tracker.texture_term import Normaliser, TextureTerm
+from mien.capture.tracker.trust import Trust
 from mien.numeric.rotation import angle_between
 
 Array = NDArray[np.float64]
@@ -24,32 +25,23 @@ Floats = NDArray[np.float32]
 Index = NDArray[np.intp]
 
 
-@dataclass(frozen=True, slots=True)
-class Trust:
-    """How much each term counts; 0 leaves it out."""
-
-    texture: float = 0.15
-    """Of a texel: neighbours are not independent."""
-    anchor: float = 0.3
-    """Of a landmark's place."""
-    predictor: float = 1.0
-    """Of a landmark's motion since the frame before."""
-    keyframes: bool = True
-    spread: float = 1.0
-    """Factor on the prior spread of expressions."""
-
-
 ANCHOR_SIGMA = 4.0
 """mm, of a landmark's place."""
 PREDICTOR_SIGMA = 1.0
 """mm, of its motion."""
+MOTION_SIGMA = (0.05, 8.0, 0.3)
+"""Radians, mm and weight by which a frame may differ from what the one before lets expect."""
 LEVELS = (0, 1, 1)
-SAMPLES = 2500
+"""Of looks, one Gauss-Newton step each."""
+SAMPLES = 1800
 EVERY, DOUBT = 5, 1.15
 """Every so many frames, and where looks agree so much less than usual, the landmarks' own pose is
 tried too."""
-KEY_APART, KEY_FROM, KEY_NEARER, SURE = 15.0, 18.0, 8.0, 1.1
-""""""
+KEY_APART, KEY_FROM, KEY_NEARER = 15.0, 18.0, 8.0
+"""Degrees: between looks that are kept, from rest until another look may serve, and by which that
+one must be nearer."""
+SURE = 1.1
+"""Times the usual disagreement beyond which a look is not kept."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,8 +53,10 @@ class Found:
     """(N, 2) mm by which the landmarks miss the state."""
     cost: float
     """How badly the looks agree."""
-    confidence: float
-    """0..1"""
+    used: Index
+    """Texels that were compared."""
+    notes: tuple[str, ...]
+    """Short words for a person: "recovered"."""
 
 
 class Tracker:
@@ -76,22 +70,31 @@ class Tracker:
         self.sampled = person.texels.take(self.rows)
         self._costs: list[float] = []
         self._count = 0
+        self._lost = False
 
     def step(self, crop: Crop, points: Array) -> Found:
         """The next frame: its crop and its landmarks (N, 2) in pixels of the frame."""
         blurred = pictures(crop, float(self.state.translation[2]), self.person.focal)
-        aligned = self._align(crop, blurred, points, self._predict(points))
-        self._count += 1
-        if self._count % EVERY == 0 or aligned.cost > DOUBT * self._usual():
+        anew = self._lost or not self.trust.predictor
+        notes = ("recovered",) if self._lost else ()
+        guess = self.absolute(points) if anew else self._predict(points)
+        aligned = self._align(crop, blurred, points, guess)
+        self._count, self._lost = self._count + 1, False
+        doubtful = self._count % EVERY == 0 or aligned.cost > DOUBT * self._usual()
+        if self.trust.retry and doubtful:
             again = self._align(crop, blurred, points, self.absolute(points))
             if again.cost < aligned.cost:
                 aligned = again
-        self._costs = [*self._costs[-100:], aligned.cost]
+        self._costs = [*self._costs[-29:], aligned.cost]
         self.state = aligned.state
         self.missed = self._miss(points, self.state)
         if self.trust.keyframes:
             self._keep(crop, aligned)
-        return Found(self.state, self.missed, aligned.cost, 1.0 / (1.0 + (aligned.cost / 0.6) ** 4))
+        return Found(self.state, self.missed, aligned.cost, aligned.used, notes)
+
+    def lose(self) -> None:
+        """No face was seen: the next one is met without asking where the last one was."""
+        self._lost = True
 
     def absolute(self, points: Array) -> State:
         """What the landmarks (N, 2) alone tell, whatever came before."""
@@ -99,7 +102,7 @@ class Tracker:
         directions = (points - person.centre) / person.focal
         model = HeadModel(
             person.landmarks.neutral,
-            np.moveaxis(person.landmarks.shapes, 2, 0),
+            person.landmarks.fields(),
             np.arange(len(points)),
         )
         fit = fit_heads(model, directions[None])
@@ -157,10 +160,13 @@ class Tracker:
     ) -> Aligned:
         person, trust = self.person, self.trust
         if not self.looks or trust.texture == 0.0:
-            return Aligned(solve(guess, self._anchors(points, guess, 1.0, 1.0), 3), 0.0)
+            nothing = np.zeros(0, dtype=np.intp)
+            return Aligned(solve(guess, self._anchors(points, guess, 1.0, 1.0), 3), 0.0, nothing)
         look = self._nearest(guess)
         normalise = Normaliser(person.chart, look.seen & visible(person, crop, guess, 0.2))
         others = self._anchors(points, guess, trust.anchor)
+        if trust.motion:
+            others.append(MotionTerm(guess, *MOTION_SIGMA))
         state = guess
         terms = [
             TextureTerm(
@@ -178,7 +184,8 @@ class Tracker:
         ]
         for level in LEVELS:
             state = step(state, [terms[level], *others])
-        return Aligned(state, terms[-1].cost(state))
+        used = self.rows[normalise.inner[self.rows]]
+        return Aligned(state, terms[-1].cost(state), used)
 
     def _turns(self, state: State) -> list[float]:
         return [
@@ -201,6 +208,7 @@ class Aligned:
 
     state: State
     cost: float
+    used: Index
 
 
 def _samples(person: Person, look: Look) -> Index:
