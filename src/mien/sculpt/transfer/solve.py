@@ -5,8 +5,8 @@
 with G the displacement gradient of the source, laid on the target, at each target triangle T, w the
 trust in its partner, and c the source's displacement at each vertex's partner. The second sum is
 the screen: without it thin strips such as lids drift, for gradients add up. Both G and c are linear
-in the source's motion and alike in x, y and z, so that all of it is one sparse matrix and one
-factored system: a shape costs a product and three solutions.
+in the source's motion and alike in x, y and z: sparse matrices and one factored system, and a shape
+costs a few products and three solutions.
 """
 
 from __future__ import annotations
@@ -68,20 +68,19 @@ class Transfer:
         """Skins at rest; ``moved`` (S,) mm, the farthest that any shape takes each vertex of the
         source."""
         self._scale = pair.scale[:, None]
+        self._read = GradientReader(source, target, pair)
         slopes, areas = gradient(target.vertices, target.triangles)
         trust = pair.trust[target.triangles].mean(axis=1)
-        weight = np.repeat(areas * (_DOUBT + (1.0 - _DOUBT) * trust), 3)
-        wanted = sparse.diags(np.repeat(trust, 3)) @ _read_gradients(source, target, pair)
+        weight = areas * (_DOUBT + (1.0 - _DOUBT) * trust)
         area = np.zeros(len(target.vertices))
         np.add.at(area, target.triangles, areas[:, None] / 3.0)
         held = pair.partner @ (pair.scale * moved) < _STILL
         screened = area * np.where(held, _HELD, pair.trust / screen**2)
-        weighed = slopes.T @ sparse.diags(weight)
-        places = sparse.diags(np.where(held, 0.0, screened)) @ pair.partner
-        self._right = (weighed @ wanted + places).tocsr()
-        system = (weighed @ slopes + sparse.diags(screened + _LOOSE)).tocsc()
+        self._gathered = (slopes.T @ sparse.diags(np.repeat(weight * trust, 3))).tocsr()
+        self._placed = sparse.diags(np.where(held, 0.0, screened)) @ pair.partner
+        system = slopes.T @ sparse.diags(np.repeat(weight, 3)) @ slopes
         self._solver = splu(
-            system,
+            (system + sparse.diags(screened + _LOOSE)).tocsc(),
             permc_spec="MMD_AT_PLUS_A",
             diag_pivot_thresh=0.0,
             options={"SymmetricMode": True},
@@ -93,22 +92,32 @@ class Transfer:
         for first in range(0, len(motion), _AT_ONCE):
             run = self._scale * motion[first : first + _AT_ONCE]
             columns = run.transpose(1, 0, 2).reshape(run.shape[1], -1)
-            solved = self._solver.solve(self._right @ columns)
+            right = self._gathered @ self._read(columns) + self._placed @ columns
+            solved = self._solver.solve(right)
             shapes.append(solved.reshape(len(solved), len(run), 3).transpose(1, 0, 2))
         return np.concatenate(shapes)
 
 
-def _read_gradients(source: Skin, target: Skin, pair: Correspondence) -> sparse.csr_matrix:
-    """(3T, S) gradients of the source, smoothed, at the middles of the target's triangles."""
-    slopes, areas = gradient(pair.warped, source.triangles)
-    at_vertices = _mean(_around(source.triangles, areas, len(pair.warped)))
-    near = _around(source.triangles, np.ones_like(areas), len(pair.warped))
-    near = _mean(near @ near.T)
-    at = _around(target.triangles, np.full(len(target.triangles), 1.0 / 3.0), len(target.vertices))
-    read = at.T @ pair.partner
-    for _ in range(_ROUNDS):
-        read = read @ near
-    return sparse.kron(read @ at_vertices, sparse.identity(3), format="csr") @ slopes
+class GradientReader:
+    """Gradients of the source, laid on the target, at the middles of the target's triangles."""
+
+    def __init__(self, source: Skin, target: Skin, pair: Correspondence) -> None:
+        count = len(pair.warped)
+        self._slopes, areas = gradient(pair.warped, source.triangles)
+        self._at_vertices = _mean(_around(source.triangles, areas, count))
+        beside = _around(source.triangles, np.ones_like(areas), count)
+        self._near = _mean(beside @ beside.T)
+        third = np.full(len(target.triangles), 1.0 / 3.0)
+        middles = _around(target.triangles, third, len(target.vertices)).T
+        self._partner = (middles @ pair.partner).tocsr()
+
+    def __call__(self, values: Array) -> Array:
+        """(3T, C) of ``values`` (S, C), smoothed."""
+        steep = (self._slopes @ values).reshape(-1, 3 * values.shape[1])
+        at = self._at_vertices @ steep
+        for _ in range(_ROUNDS):
+            at = self._near @ at
+        return np.asarray(self._partner @ at).reshape(-1, values.shape[1])
 
 
 def _around(triangles: Ints, values: NDArray[np.float64], vertices: int) -> sparse.csr_matrix:
