@@ -95,7 +95,7 @@ def test_bounds_hold_and_the_certificate_says_it_is_the_minimum() -> None:
     hessians, linear = programme.problem(take, slice(0, 12))
     best = solve_boxes(hessians, linear, *programme.bounds)
     worse = best + 1e-4 * np.sign(np.random.default_rng(0).normal(size=best.shape))
-    assert (kkt_residual(hessians, linear, *programme.bounds, worse) > 1e-6).all()
+    assert (kkt_residual(hessians, linear, worse, *programme.bounds) > 1e-6).all()
 
 
 def test_a_frame_alone_is_as_in_the_take() -> None:

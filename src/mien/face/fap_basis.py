@@ -18,7 +18,7 @@ from mien.face.face import Array, Face
 from mien.face.fap_lids import lids
 from mien.face.fap_lips import OUTER_LIPS, hang_lining
 from mien.face.fap_skin import CHIN, Skin, skin
-from mien.face.influence import LIPS, Mask
+from mien.face.influence import LIPS, Mask, rows
 from mien.vocabulary.fap import PER_UNIT, column, faps, simple
 from mien.vocabulary.fapu import Fapu, measure
 
@@ -81,7 +81,7 @@ def fap_basis(face: Face) -> FapBasis:
         size=size,
         fields=everything[: len(fields)].astype(np.float32),
         slides=everything[len(fields) :].astype(np.float32),
-        closed=gap / fapu.philtrum * PER_UNIT,
+        closed=float(np.nan_to_num(gap / fapu.philtrum * PER_UNIT)),
     )
 
 
@@ -134,7 +134,7 @@ def _move_tongue(face: Face, fields: Array) -> None:
     if found is None:
         return
     part, surface = found
-    mine = fap_parts.rows(face, part)
+    mine = rows(face, part)
     for fap in simple():
         if fap.group != 6:
             continue

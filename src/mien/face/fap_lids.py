@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from mien.face.face import Array, Face
-from mien.face.influence import LIDS, Index, Mask, opening, part_of
+from mien.face.influence import LIDS, Index, Mask, opening, part_at, rows
 
 _SHARE_ENDS = 2.2
 """Heights of the fold above the margin at which skin no longer follows a lid."""
@@ -64,7 +64,7 @@ def lids(face: Face, side: int) -> Lids | None:
     middle = float(face.point(top)[1] - face.point(bottom)[1])
     full = np.clip(gap / middle, 0.0, 1.0)
     reach = gap + 4.0 * _PAST * full * (1.0 - full)
-    on_skin = part_of(face, int(hole.rim[0])) & (face.vertices[:, 2] > ball[2])
+    on_skin = rows(face, part_at(face, int(hole.rim[0]))) & (face.vertices[:, 2] > ball[2])
     height = face.vertices[:, 1]
     high = on_skin & (height > (upper + lower) / 2.0)
     low = on_skin & ~high

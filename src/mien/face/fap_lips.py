@@ -11,14 +11,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 from scipy.spatial import cKDTree
 
 from mien.face.face import Array, Face
-from mien.face.influence import LIPS, Mask, along_the_skin, opening
-
-Index = NDArray[np.intp]
+from mien.face.influence import LIPS, Index, Mask, along_the_skin, opening
 
 OUTER_LIPS = ("8.3", "8.5", "8.1", "8.6", "8.4", "8.8", "8.2", "8.7")
 """The outer edge of the lips, once round, beside LIPS."""

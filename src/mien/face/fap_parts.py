@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from scipy.spatial import cKDTree
 
 from mien.face.face import Array, Face, Part
-from mien.face.influence import Mask, Surface
+from mien.face.influence import Mask, Surface, part_at, rows
 
 TONGUE_TIP, TONGUE_BORDERS = "6.1", ("6.3", "6.4")
+EARS = ("10.1", "10.2")
 _ON_LOWER_JAW = ("teeth_lower", "gum_lower", "tongue")
 _STANDS = ("teeth", "gum", "hair")
 """Parts of the head that no skin carries along."""
@@ -19,15 +22,9 @@ _TOUCHES = 2.5
 _NEAREST = 6
 
 
-def rows(face: Face, part: Part) -> Mask:
-    """(V,) the vertices of ``part``."""
-    number = np.arange(len(face.vertices))
-    return np.asarray((number >= part.first) & (number < part.last))
-
-
 def on_lower_jaw(face: Face) -> Mask:
     """(V,) lower teeth, gums and tongue."""
-    return _named(face, _ON_LOWER_JAW)
+    return _together(face, [part for part in face.parts if part.name.startswith(_ON_LOWER_JAW)])
 
 
 def jaw_motion(face: Face, chin: Array) -> Array:
@@ -70,7 +67,7 @@ def ears(face: Face, skin: Mask) -> list[Surface]:
     """The surfaces of ears that are parts of their own, held where they touch the ``skin``."""
     near = cKDTree(face.vertices[skin])
     found = []
-    for fdp in ("10.1", "10.2"):
+    for fdp in EARS:
         part = _bearing(face, fdp)
         if part is None or skin[part.first]:
             continue
@@ -83,11 +80,8 @@ def ears(face: Face, skin: Mask) -> list[Surface]:
 
 def eyeball(face: Face, side: int) -> Mask:
     """(V,) all that the left (0) or right eye carries."""
-    found = np.zeros(len(face.vertices), dtype=bool)
-    for part in face.parts:
-        if part.follows == ("eye_left", "eye_right")[side]:
-            found |= rows(face, part)
-    return found
+    name = ("eye_left", "eye_right")[side]
+    return _together(face, [part for part in face.parts if part.follows == name])
 
 
 def widened_pupil(face: Face, side: int, iris: float) -> Array:
@@ -108,12 +102,16 @@ def widened_pupil(face: Face, side: int, iris: float) -> Array:
 def cling(face: Face, fields: Array, skin: Mask) -> None:
     """Let brows, lashes, seams and the like follow the skin beneath them: fills their part of
     ``fields`` (N, V, 3)."""
-    ears_too = [_bearing(face, fdp) for fdp in ("10.1", "10.2")]
-    clinging = np.zeros(len(face.vertices), dtype=bool)
-    for part in face.parts:
-        stands = part.name.startswith((*_STANDS, *_ON_LOWER_JAW)) or part in ears_too
-        if part.follows == "head" and not skin[part.first] and not stands:
-            clinging |= rows(face, part)
+    fixed = [part.name for part in face.parts if part.name.startswith((*_STANDS, *_ON_LOWER_JAW))]
+    fixed += [ear.name for fdp in EARS if (ear := _bearing(face, fdp)) is not None]
+    clinging = _together(
+        face,
+        [
+            part
+            for part in face.parts
+            if part.follows == "head" and not skin[part.first] and part.name not in fixed
+        ],
+    )
     if not clinging.any():
         return
     below = np.flatnonzero(skin)
@@ -123,11 +121,11 @@ def cling(face: Face, fields: Array, skin: Mask) -> None:
     fields[:, clinging] = np.einsum("nvkx,vk->nvx", fields[:, below[near]], weight)
 
 
-def _named(face: Face, starts: tuple[str, ...]) -> Mask:
+def _together(face: Face, parts: Sequence[Part]) -> Mask:
+    """(V,) the vertices of ``parts``."""
     found = np.zeros(len(face.vertices), dtype=bool)
-    for part in face.parts:
-        if part.name.startswith(starts):
-            found |= rows(face, part)
+    for part in parts:
+        found |= rows(face, part)
     return found
 
 
@@ -135,5 +133,4 @@ def _bearing(face: Face, fdp: str) -> Part | None:
     """The part on which a feature point lies."""
     if fdp not in face.points.ids:
         return None
-    vertex = face.points.vertices[face.points.index([fdp])[0], 0]
-    return next(part for part in face.parts if part.first <= vertex < part.last)
+    return part_at(face, int(face.points.vertices[face.points.index([fdp])[0], 0]))

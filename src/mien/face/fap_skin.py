@@ -13,7 +13,7 @@ import numpy as np
 
 from mien.face.face import Array, Face
 from mien.face.fap_lips import PLACES, Mouth, mouth
-from mien.face.influence import Mask, Surface, part_of
+from mien.face.influence import Mask, Surface, part_at, rows
 from mien.vocabulary.fap import simple
 
 CHIN = "2.1"
@@ -50,9 +50,9 @@ def skin(face: Face, held: Mask) -> Skin:
     """The skin of ``face``; ``held`` (V,) vertices move with nothing but the lids. Raises
     KeyError for a missing point of chin or lips."""
     owner = int(face.points.vertices[face.points.index([CHIN])[0], 0])
-    triangles = next(part for part in face.parts if part.first <= owner < part.last).triangles
+    part = part_at(face, owner)
     lips = mouth(face)
-    outside = triangles[~lips.inside[triangles].all(axis=1)]
+    outside = part.triangles[~lips.inside[part.triangles].all(axis=1)]
     lining = lips.inside.copy()
     lining[outside] = False
     eyes = float(np.linalg.norm(face.pivots["eye_left"] - face.pivots["eye_right"]))
@@ -62,7 +62,7 @@ def skin(face: Face, held: Mask) -> Skin:
     for axis in range(3):
         maps |= _maps(face, plate, axis, lips)
     jaw = tuple(_jaw(broad, axis) for axis in range(3))
-    return Skin(part_of(face, owner), maps, jaw, lips, lining)
+    return Skin(rows(face, part), maps, jaw, lips, lining)
 
 
 def _moved(surface: Surface, axis: int) -> list[str]:

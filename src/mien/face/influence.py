@@ -21,7 +21,7 @@ from scipy import sparse
 from scipy.sparse.csgraph import connected_components, dijkstra
 from scipy.sparse.linalg import splu
 
-from mien.face.face import Array, Face, FeaturePoints, Ints
+from mien.face.face import Array, Face, FeaturePoints, Ints, Part
 
 Index = NDArray[np.intp]
 Mask = NDArray[np.bool_]
@@ -133,11 +133,15 @@ def _edges(face: Face) -> tuple[Ints, Array]:
     return edges, np.linalg.norm(face.vertices[edges[:, 0]] - face.vertices[edges[:, 1]], axis=1)
 
 
-def part_of(face: Face, vertex: int) -> Mask:
-    """(V,) the vertices of the part that ``vertex`` belongs to."""
-    owner = next(part for part in face.parts if part.first <= vertex < part.last)
+def part_at(face: Face, vertex: int) -> Part:
+    """The part that ``vertex`` belongs to."""
+    return next(part for part in face.parts if part.first <= vertex < part.last)
+
+
+def rows(face: Face, part: Part) -> Mask:
+    """(V,) the vertices of ``part``."""
     number = np.arange(len(face.vertices))
-    return np.asarray((number >= owner.first) & (number < owner.last))
+    return np.asarray((number >= part.first) & (number < part.last))
 
 
 def _inside(face: Face, edges: Ints, rim: Index) -> Mask:

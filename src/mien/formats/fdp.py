@@ -106,7 +106,7 @@ def _xface(data: bytes) -> FdpFile:
 
 
 def _visage(data: bytes) -> FdpFile:
-    points = []
+    points: list[TiedPoint] = []
     for line in data.decode("utf-8", errors="strict").splitlines():
         tokens = line.partition("#")[0].split()
         if len(tokens) != 5 or tokens[0] not in feature_points():

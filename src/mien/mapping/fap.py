@@ -96,7 +96,8 @@ class FapProgramme:
         self._reach = reach[self._solved]
         stretch = max(self.settings.gain, 1.0)
         bounds = np.array([(fap.lower, fap.upper) for fap in simple()])[self._solved]
-        self.bounds = tuple(stretch * bounds.T / self._reach)
+        lower, upper = stretch * bounds.T / self._reach
+        self.bounds: tuple[Array, Array] = lower, upper
         self.fields = self.rows(fields[self._solved]) * self._reach[:, None, None]
         self._sight = Sight(self.fields, self.rows.precision)
         self._prior = _prior()[np.ix_(self._solved, self._solved)]
@@ -120,7 +121,7 @@ class FapProgramme:
             part = slice(first, min(first + _CHUNK, frames))
             hessians, linear = self.problem(performance, part)
             found = solve_boxes(hessians, linear, *self.bounds)
-            kkt[part] = kkt_residual(hessians, linear, *self.bounds, found)
+            kkt[part] = kkt_residual(hessians, linear, found, *self.bounds)
             residual[part] = self._residual(performance, part, found)
             values[part, self._solved] = found * self._reach
         if not performance.vocabulary:
@@ -161,24 +162,21 @@ class FapMapper:
         """Curves of the character for every frame of ``performance``; FAPs that came as such pass
         as they are."""
         if self._programme is None:
-            fit = FapFit(
-                performance.shapes * self.settings.gain,
-                np.zeros(len(performance)),
-                np.zeros(len(performance)),
-            )
+            values, residual = performance.shapes * self.settings.gain, np.zeros(len(performance))
         else:
             fit = self._programme(performance)
+            values, residual = fit.values, fit.residual
         rotation, translation = head_on_neck(performance, self.character.face)
         return Curves(
             character=self.character.name,
             names=self._names,
             time=performance.time,
-            weights=fap_weights(self.character, fit.values),
+            weights=fap_weights(self.character, values),
             rotation=rotation,
             translation=translation,
             gaze=performance.gaze,
             lost=performance.lost,
-            residual=fit.residual,
+            residual=residual,
         )
 
 

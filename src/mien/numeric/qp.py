@@ -44,7 +44,7 @@ def solve_boxes(hessians: Array, linear: Array, lower: Array, upper: Array) -> A
 
 
 def kkt_residual(
-    hessians: Array, linear: Array, lower: Array, upper: Array, solutions: Array
+    hessians: Array, linear: Array, solutions: Array, lower: Array, upper: Array
 ) -> Array:
     """(F,) how far each of ``solutions`` (F, W) is from being the minimum of ``solve_boxes``'
     problem: the largest step, in the unknowns' own unit, that one Jacobi step of projected descent
