@@ -12,7 +12,7 @@ import pytest
 ROOT = Path(__file__).parent.parent
 PACKAGE = ROOT / "src" / "mien"
 
-EXTRAS = {"mediapipe": {"capture"}, "cv2": {"capture", "formats"}}
+EXTRAS = {"mediapipe": {"capture"}, "cv2": {"view", "capture", "formats"}}
 """Modules of optional extras, and the rooms that may ask for them."""
 
 

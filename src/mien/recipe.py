@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from math import inf
 from pathlib import Path
 from typing import TypeVar
@@ -24,6 +25,7 @@ from mien.formats.marker_file import holds_markers, read_markers, read_roles
 from mien.formats.mien_file import read_performance, write_performance
 from mien.formats.mp4 import Sound, write_mp4
 from mien.formats.obj_read import read_obj
+from mien.formats.performer_file import read_performer
 from mien.formats.sources import open_source
 from mien.formats.video import Video
 from mien.mapping import MAPPERS, Settings
@@ -33,6 +35,7 @@ from mien.mapping.looks import look
 from mien.mapping.reconstruct import reconstruct
 from mien.mapping.spoken import pass_through, understood
 from mien.mapping.surface import act_surface, told_points
+from mien.overlay_film import overlay_film
 from mien.performance.curves import Curves
 from mien.performance.filters import smooth as smooth_curves
 from mien.performance.frame import Frame
@@ -87,6 +90,8 @@ def capture(
     rate: float | None = None,
     neutral: tuple[float, float] | None = None,
     focal: float | str | Path | None = None,
+    performer: str | Path | None = None,
+    overlay: str | Path | None = None,
     progress: Progress | None = None,
 ) -> Performance:
     """What the performer in a recording did.
@@ -95,7 +100,9 @@ def capture(
     ``capture_markers``); ``start`` and ``end`` cut it, in seconds; ``mirror`` undoes a selfie's
     flip; ``rate`` is frames a second of a folder of images (30); ``neutral`` (first, last) names
     the seconds in which the face rests (found otherwise); ``focal`` is the camera's focal length
-    in pixels, or a camera file that says it. ``progress`` is called with frames done and frames
+    in pixels, or a camera file that says it; ``performer`` is a .performer file of what earlier
+    takes told of the same person; ``overlay`` names an MP4 to write, in which what was seen is
+    drawn over the recording. ``progress`` is called with frames done and frames
     expected (None: unknown).
     Raises InputError, FormatError, NoFaceError, MissingExtraError.
     """
@@ -105,10 +112,16 @@ def capture(
     source = open_source(path, start, end, mirror, rate)
     count = source.count
     told = None if progress is None else (lambda done: progress(done, count))
+    known = None if performer is None else read_performer(Path(performer))
+    settings = CaptureSettings(neutral, _focal(focal, source.size[0]), known)
     try:
-        return way(
-            source, CaptureSettings(neutral, _focal(focal, source.size[0])), source.name, told
-        )
+        if overlay is None:
+            return way(source, settings, source.name, told)
+        if str(path).startswith("camera:"):
+            raise InputError(f"{path}: a camera cannot be read twice, so there is no overlay of it")
+        again = open_source(path, start, end, mirror, rate)
+        with overlay_film(Path(overlay), again) as watch:
+            return way(source, replace(settings, watch=watch), source.name, told)
     except NoFaceError as error:
         raise NoFaceError(f"{source.name}: {error}") from error
 
@@ -190,7 +203,7 @@ def animate_surface(
     character that acts it and its curves.
 
     It lands on the databank's person, or on ``face``, the performer's own neutral of the same
-    topology (``load_performer``). ``mapping`` is "bounded", "genetic" or "repaired"; ``smooth``
+    topology (``load_performer``). ``mapping`` is "bounded", "genetic" or "published"; ``smooth``
     False leaves the markers' noise in. Raises InputError.
     """
     surface = reconstruct(performance, bank, face=face, solver=mapping, smooth=smooth)

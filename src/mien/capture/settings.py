@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from mien.performance.performer import Performer
 from mien.performance.trace import Trace
 
 Progress = Callable[[int], None]
@@ -17,5 +18,7 @@ class CaptureSettings:
     """Seconds (first, last) in which the face rests; None: found."""
     focal: float | None = None
     """Focal length of the camera in pixels; None: a usual one."""
+    performer: Performer | None = None
+    """What is known of the performer from earlier takes; None: learnt from this one."""
     watch: Callable[[Trace], None] | None = None
     """Told what was seen in every frame, once each and in their order."""

@@ -19,7 +19,7 @@ TAKES = (
     "a video, a folder of images, camera:0 (with --end), markers (.c3d, .trc, .csv), a .mien file, "
     "a Live Link Face .csv or an MPEG-4 .fap"
 )
-CUT_OPTIONS = ("start", "end", "mirror", "rate", "neutral", "focal")
+CUT_OPTIONS = ("start", "end", "mirror", "rate", "neutral", "focal", "performer", "overlay")
 """Options that say how a recording is looked at."""
 
 
@@ -32,6 +32,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
         type=Path,
         metavar="FILE",
         help="a .mien, .csv or .fap file (default: TAKE.mien in this folder)",
+    )
+
+    parser.add_argument(
+        "--overlay",
+        type=Path,
+        metavar="FILE",
+        help="also write an .mp4 in which what was seen is drawn over the take",
     )
 
 
@@ -71,7 +78,14 @@ def add_cut_options(parser: argparse.ArgumentParser) -> None:
         help="focal length of the camera, or a file that says it: focal = 700, width = 640 "
         "(default: a usual one)",
     )
+    parser.add_argument(
+        "--performer",
+        type=Path,
+        metavar="FILE",
+        help="what mien calibrate learnt of this person (default: learnt from the take)",
+    )
     add_marker_options(parser)
+    parser.set_defaults(overlay=None)
 
 
 def focal(text: str) -> float | str:
@@ -85,16 +99,20 @@ def run(options: argparse.Namespace) -> None:
     output: Path = options.output or Path(f"{take_name(options.take)}.mien")
     if output.suffix.lower() not in WRITERS:
         raise InputError(f"-o {output}: a performance is kept as {' or '.join(WRITERS)}")
-    spare(options.take, [output])
+    film: Path | None = options.overlay
+    if film is not None and film.suffix.lower() != ".mp4":
+        raise InputError(f"--overlay {film}: the film is an .mp4")
+    files = [output] if film is None else [output, film]
+    spare(options.take, files)
     with results(output.parent) as claim:
         performance, account = performance_of(options)
         save_performance(performance, claim(output.name))
     summary = summarize(performance) | account
     tell(
         options,
-        {"take": options.take, **summary, "files": [str(output)]},
+        {"take": options.take, **summary, "files": [str(file) for file in files]},
         f"{options.take}: {describe(summary)}",
-        str(output),
+        *map(str, files),
     )
 
 
@@ -122,6 +140,8 @@ def performance_of(options: argparse.Namespace) -> tuple[Performance, dict[str, 
             rate=options.rate,
             neutral=options.neutral,
             focal=options.focal,
+            performer=options.performer,
+            overlay=options.overlay,
             progress=told,
         )
     return performance, {}

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from mien.capture.markers.perform import Mended
     from mien.performance.performance import Performance
 
-_PICTURES_ONLY = ("mirror", "rate", "focal")
+_PICTURES_ONLY = ("mirror", "rate", "focal", "performer", "overlay")
 
 
 def add_marker_options(parser: argparse.ArgumentParser) -> None:

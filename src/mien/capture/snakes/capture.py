@@ -1,19 +1,15 @@
-"""The entry: pictures become a performance, by curves."""
+"""Pictures become a curve track."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 
 from mien.capture.settings import CaptureSettings, Progress
-from mien.capture.snakes.points import depths
-from mien.capture.snakes.reading import calibrate, perform
 from mien.capture.snakes.stepper import SnakeCapture
 from mien.capture.snakes.track import CurveTrack, Gathering
 from mien.capture.snakes.watch import trace_of
 from mien.errors import NoFaceError
-from mien.face.library import generic_face
 from mien.performance.frame import Frame
-from mien.performance.performance import Performance
 
 
 def follow(
@@ -37,17 +33,3 @@ def follow(
             f"no face was found in {len(gathering)} frames; a face must be in view, upright and lit"
         )
     return gathering.track(size)
-
-
-def snakes(
-    frames: Iterable[Frame],
-    settings: CaptureSettings,
-    source: str,
-    progress: Progress | None = None,
-) -> Performance:
-    """The performance in ``frames``. Raises NoFaceError, InputError."""
-    stepper = SnakeCapture()
-    track = follow(frames, stepper, settings, progress)
-    depth = depths(generic_face())
-    known = calibrate(track, depth, neutral=settings.neutral, focal=settings.focal)
-    return perform(track, known, source)

@@ -57,7 +57,7 @@ def look_at(patch: Picture, skin: Array | None = None) -> Look:
 def corner_of(feature: Feature) -> Array:
     """(2,) patch units of the first pixel of a feature's rectangle."""
     left, top, _, _ = window(feature.box)
-    return np.array([left, top]) - ORIGIN
+    return np.asarray(np.array([left, top]) - ORIGIN, dtype=float)
 
 
 def field_of(look: Look, feature: Feature, weights: Mapping[str, Weights]) -> Field:
@@ -67,7 +67,7 @@ def field_of(look: Look, feature: Feature, weights: Mapping[str, Weights]) -> Fi
         return transform(look.patch, look.gains, look.value, look.mean, weights[group], feature.box)
 
     if feature.group == "eye":
-        return np.asarray(np.maximum(seen("eye"), seen("sclera")))
+        return np.asarray(np.maximum(seen("eye"), seen("sclera")), dtype=np.float32)
     return seen(feature.group)
 
 

@@ -10,6 +10,7 @@ Near enough for where to look for features; the performance's own pose is perspe
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numba import njit
@@ -47,7 +48,7 @@ class Pose:
         back = turn / self.scale
         rotation = np.block([[turn, np.zeros((2, 1))], [np.zeros((1, 2)), np.eye(1)]])
         moved = np.column_stack([back, -back @ self.shift])
-        return moved, Pose(rotation @ self.rotation, 1.0, np.zeros(2))
+        return moved, Pose(np.asarray(rotation @ self.rotation, dtype=float), 1.0, np.zeros(2))
 
 
 RESTING = Pose(np.eye(3), 1.0, np.zeros(2))
@@ -95,7 +96,7 @@ def _fit(
 
 
 @njit(cache=True, nogil=True)
-def _rotation(vector: Array) -> Array:
+def _rotation(vector: NDArray[np.floating[Any]]) -> Array:
     """Rodrigues."""
     angle = max(np.sqrt((vector**2).sum()), 1e-12)
     x, y, z = vector / angle

@@ -9,11 +9,13 @@ from mien.capture.snakes.colour import window
 from mien.capture.snakes.features import FEATURES, NAMES
 from mien.capture.snakes.fields import field_of
 from mien.capture.snakes.lens import lower_curve, upper_curve
+from mien.capture.snakes.patch import HEIGHT, WIDTH
 from mien.capture.snakes.stepper import Seen
 from mien.performance.trace import Trace
 
 Array = NDArray[np.float64]
 
+_BLACK = np.zeros((HEIGHT, WIDTH, 3), dtype=np.uint8)
 _AXIS = 60.0
 """Patch units."""
 
@@ -21,7 +23,7 @@ _AXIS = 60.0
 def trace_of(seen: Seen | None) -> Trace:
     """Curves, rectangles, head axes, and the transformed picture beside."""
     if seen is None:
-        return Trace(lost=True, notes=("lost",))
+        return Trace(lost=True, notes=("lost",), beside=_BLACK)
     curves = {}
     for row, name in enumerate((*NAMES, "mouth")):
         for edge, curve in (("upper", upper_curve), ("lower", lower_curve)):

@@ -1,0 +1,145 @@
+"""The performer file, ``.performer``: what earlier takes told of somebody.
+
+A ZIP of one JSON header and one ``.npy`` array (float64, C order) a number or table, named
+"section/name". Nothing in it is executed or trusted.
+"""
+
+from __future__ import annotations
+
+import json
+import zipfile
+import zlib
+from math import prod
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mien.errors import FormatError, InputError
+from mien.formats.atomic import whole_file
+from mien.performance.performer import Performer
+
+FORMAT = "mien performer"
+VERSION = 1
+HEADER = "mien.json"
+SECTIONS = ("landmarks", "curves", "poses")
+
+MAX_ARRAYS = 512
+MAX_NUMBERS = 1 << 20
+"""In one array, and eight times as many in all."""
+MAX_HEADER_BYTES = 1 << 18
+MAX_TEXT = 4096
+
+_DAMAGE = (
+    zipfile.BadZipFile,
+    zlib.error,
+    OSError,
+    EOFError,
+    KeyError,
+    ValueError,
+    TypeError,
+    SyntaxError,
+    OverflowError,
+    NotImplementedError,
+    RuntimeError,
+    MemoryError,
+)
+
+
+def write_performer(performer: Performer, path: Path) -> None:
+    """Write ``path`` whole or not at all; every number is kept to the bit. Raises OutputError."""
+    arrays = {
+        f"{section}/{name}": np.ascontiguousarray(array, dtype="<f8")
+        for section in SECTIONS
+        for name, array in getattr(performer, section).items()
+    }
+    header = {
+        "format": FORMAT,
+        "version": VERSION,
+        "source": performer.source[:MAX_TEXT],
+        "arrays": {name: list(array.shape) for name, array in arrays.items()},
+    }
+    with whole_file(path) as temporary, zipfile.ZipFile(temporary, "w") as archive:
+        archive.writestr(_entry(HEADER), json.dumps(header, indent=1))
+        for name, array in arrays.items():
+            with archive.open(_entry(f"{name}.npy"), "w") as stream:
+                np.lib.format.write_array(stream, array, allow_pickle=False)
+
+
+def read_performer(path: Path) -> Performer:
+    """Read a ``.performer`` file. Raises InputError where there is none, FormatError for anything
+    but a whole, sane one."""
+    if not path.is_file():
+        raise InputError(f"{path}: no such file")
+    try:
+        with zipfile.ZipFile(path) as archive:
+            header = _read_header(archive)
+            arrays = {
+                name: _read_array(archive, name, tuple(shape))
+                for name, shape in header["arrays"].items()
+            }
+    except _DAMAGE as error:
+        reason = (str(error).strip("'\"") or type(error).__name__).splitlines()[0][:200]
+        raise FormatError(
+            f"{path}: not a whole .performer file ({reason}); calibrate again"
+        ) from error
+    sections: dict[str, dict[str, NDArray[np.float64]]] = {name: {} for name in SECTIONS}
+    for name, array in arrays.items():
+        section, _, rest = name.partition("/")
+        sections[section][rest] = array
+    return Performer(**sections, source=header["source"])
+
+
+def _entry(name: str) -> zipfile.ZipInfo:
+    # A fixed date: the same performer gives the same bytes.
+    entry = zipfile.ZipInfo(name)
+    entry.compress_type = zipfile.ZIP_DEFLATED
+    return entry
+
+
+def _read_header(archive: zipfile.ZipFile) -> dict[str, Any]:
+    with archive.open(HEADER) as stream:
+        text = stream.read(MAX_HEADER_BYTES + 1)
+    if len(text) > MAX_HEADER_BYTES:
+        raise ValueError("its header is too long")
+    header = json.loads(text)
+    if not isinstance(header, dict) or header.get("format") != FORMAT:
+        raise ValueError("it holds no performer")
+    if header.get("version") != VERSION:
+        raise ValueError(f"its version is not {VERSION}; update mien")
+    if not isinstance(header.get("source"), str) or len(header["source"]) > MAX_TEXT:
+        raise ValueError("'source' in its header is not a short text")
+    arrays = header.get("arrays")
+    if not isinstance(arrays, dict) or len(arrays) > MAX_ARRAYS:
+        raise ValueError("'arrays' in its header is not a short table")
+    for name, shape in arrays.items():
+        section, slash, rest = name.partition("/")
+        if section not in SECTIONS or not slash or not 0 < len(rest) <= 64:
+            raise ValueError("it has an array of no section")
+        whole = isinstance(shape, list) and len(shape) <= 4
+        if not whole or any(type(n) is not int or n < 0 for n in shape):
+            raise ValueError(f"'{name[:64]}' has no shape")
+        if prod(shape) > MAX_NUMBERS:
+            raise ValueError(f"'{name[:64]}' is too large")
+    if sum(prod(shape) for shape in arrays.values()) > 8 * MAX_NUMBERS:
+        raise ValueError("it is too large")
+    return header
+
+
+def _read_array(archive: zipfile.ZipFile, name: str, shape: tuple[int, ...]) -> NDArray[np.float64]:
+    kind = np.dtype("<f8")
+    with archive.open(f"{name}.npy") as stream:
+        if np.lib.format.read_magic(stream) != (1, 0):
+            raise ValueError(f"'{name}' is not an array of version 1.0")
+        found, fortran, dtype = np.lib.format.read_array_header_1_0(stream)
+        if found != shape or dtype != kind or (fortran and len(shape) > 1):
+            raise ValueError(f"'{name}' is not what the header says")
+        size = prod(shape) * kind.itemsize
+        data = stream.read(size + 1)
+    if len(data) != size:
+        raise ValueError(f"'{name}' has {len(data)} bytes, expected {size}")
+    array = np.frombuffer(data, dtype=kind).astype(np.float64).reshape(shape)
+    if not np.isfinite(array).all():
+        raise ValueError(f"'{name}' holds numbers that are not finite")
+    return array
