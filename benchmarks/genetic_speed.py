@@ -29,7 +29,7 @@ from ict_bank import read_bank
 from mien.face.library import generic_face
 from mien.mapping.blend import WEIGHT, Blend, blend, learn_misfit
 from mien.mapping.bounded import bounded
-from mien.mapping.genetic import genetic, repaired
+from mien.mapping.genetic import genetic, published
 from mien.mapping.reconstruct import databank_scale
 from mien.numeric.noise import noise_of
 from mien.numeric.steady import steady
@@ -71,7 +71,7 @@ def main() -> None:
         "ga_bvls_ratio": seconds["ga"] / seconds["bvls"],
         "repaired_bvls_ratio": seconds["repaired"] / seconds["bvls"],
         "bounded_bvls_ratio": seconds["bounded"] / seconds["bvls"],
-        "repaired_cost_ratio": float(problem.cost(repaired(problem)).sum() / exact),
+        "repaired_cost_ratio": float(problem.cost(genetic(problem)).sum() / exact),
     }
     show("genetic_speed", "A frame of blending", figures, options.json)
 
@@ -119,8 +119,8 @@ def measure(fields: Array, motion: Array, variance: Array, problem: Blend) -> di
 
     ways: dict[str, tuple[Callable[[], object], int]] = {
         "bvls": (bvls, len(chosen)),
-        "ga": (lambda: genetic(problem), len(motion)),
-        "repaired": (lambda: repaired(problem), len(motion)),
+        "ga": (lambda: published(problem), len(motion)),
+        "repaired": (lambda: genetic(problem), len(motion)),
         "bounded": (lambda: bounded(problem), len(motion)),
     }
     times: dict[str, list[float]] = {name: [] for name in ways}
@@ -140,13 +140,13 @@ def curve(fields: Array, motion: Array, problem: Blend, plot: Path | None) -> No
         return float(np.sqrt((left**2).sum(axis=-1).mean()))
 
     rows = [
-        (n, error(genetic(problem, generations=n)), error(repaired(problem, generations=n)))
+        (n, error(published(problem, generations=n)), error(genetic(problem, generations=n)))
         for n in GENERATIONS
     ]
     exact = error(bounded(problem))
     table = Table("generations", "published, mm", "repaired, mm", title=f"exact {exact:.3f} mm")
-    for n, published, mended in rows:
-        table.add_row(str(n), f"{published:.3f}", f"{mended:.3f}")
+    for n, plain, mended in rows:
+        table.add_row(str(n), f"{plain:.3f}", f"{mended:.3f}")
     Console().print(table)
     if plot is not None:
         draw(plot, rows, exact)

@@ -32,7 +32,7 @@ from mien.capture.markers.mend import Event
 from mien.face.databank import Databank
 from mien.face.face import Face
 from mien.formats.c3d import read_c3d
-from mien.mapping.genetic import genetic
+from mien.mapping.genetic import published
 from mien.mapping.reconstruct import Reconstruction, reconstruct
 from mien.mapping.residual import believe, spread
 from mien.numeric.procrustes import align
@@ -69,8 +69,8 @@ def main() -> None:
     figures = {
         "nothing_mm": rows["nothing"][0],
         "rbf_mm": rows["RBF of the markers"][0],
-        "ga_mm": rows["genetic"][0],
-        "ga_repaired_residual_mm": rows["repaired + residual"][1],
+        "ga_mm": rows["published"][0],
+        "ga_repaired_residual_mm": rows["genetic, repaired + residual"][1],
         "bounded_residual_mm": rows["bounded + residual"][1],
         "shapes55_mm": rows["55 shapes, bounded + residual"][1],
         "heldout_mm": held_out(performance, bank, truth),
@@ -139,10 +139,10 @@ def errors(
     nothing = float(np.linalg.norm(truth.motion, axis=-1).mean())
     yield "nothing", (nothing, nothing)
     yield "RBF of the markers", tuple(rbf(performance, face, truth, s) for s in (False, True))
-    yield "genetic", published(performance, bank, face, truth)
-    yield "genetic + residual", both(bank, "genetic", True)
-    yield "repaired", both(bank, "repaired", False)
-    yield "repaired + residual", both(bank, "repaired", True)
+    yield "published", genetic_errors(performance, bank, face, truth)
+    yield "published + residual", both(bank, "published", True)
+    yield "genetic, repaired", both(bank, "genetic", False)
+    yield "genetic, repaired + residual", both(bank, "genetic", True)
     yield "bounded", both(bank, "bounded", False)
     yield "bounded + residual", both(bank, "bounded", True)
     yield "55 shapes, bounded", both(shapes, "bounded", False)
@@ -160,7 +160,7 @@ def rbf(performance: Performance, face: Face, truth: Truth, smooth: bool) -> flo
     return float(np.linalg.norm(shown - truth.motion, axis=-1).mean())
 
 
-def published(
+def genetic_errors(
     performance: Performance, bank: Databank, face: Face, truth: Truth
 ) -> tuple[float, float]:
     """Mean error over seeds of the genetic algorithm, raw and smoothed."""
@@ -173,7 +173,7 @@ def published(
                             performance,
                             bank,
                             face=face,
-                            solver=partial(genetic, seed=seed),
+                            solver=partial(published, seed=seed),
                             smooth=smooth,
                             residual=False,
                         )

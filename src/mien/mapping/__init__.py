@@ -14,6 +14,7 @@ from typing import Protocol
 from mien.face.character import Character
 from mien.mapping.fap import FapMapper
 from mien.mapping.joint import JointMapper
+from mien.mapping.population import PopulationMapper
 from mien.mapping.settings import Settings
 from mien.performance.curves import Curves
 from mien.performance.performance import Performance
@@ -40,6 +41,11 @@ def _bounded(character: Character, header: Performance, settings: Settings) -> J
 
 
 MAPPERS: Mapping[str, BuildMapper] = MappingProxyType(
-    {"cardinal": JointMapper, "bounded": _bounded, "fap": FapMapper}
+    {
+        "cardinal": JointMapper,
+        "bounded": _bounded,
+        "fap": FapMapper,
+        "genetic": PopulationMapper,
+    }
 )
 """The first is the default."""

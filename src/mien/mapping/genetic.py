@@ -6,8 +6,8 @@ two takes its place: a p + (1 - a) q with one random a. After 70 generations the
 ever lived is the result. The paper does not say how offspring is mixed; of six crossovers tried
 this one comes nearest to its words.
 
-As published the pool collapses on a few faces, whatever the number of generations: nothing new
-ever comes into it. ``repaired`` puts the neutral into the population and mutates one weight of
+As ``published`` the pool collapses on a few faces, whatever the number of generations: nothing new
+ever comes into it. ``genetic`` puts the neutral into the population and mutates one weight of
 every offspring; it comes within a few hundredths of the exact optimum (``bounded``), which costs a
 tenth of the time.
 
@@ -29,7 +29,7 @@ Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
 GENERATIONS = 70
-_REPAIRED = 8000
+_MUTATING = 8000
 """Generations of the repaired variant."""
 _STEP = 0.2
 """A mutation's standard deviation, in weights that would change the cost by as much as the best
@@ -66,14 +66,14 @@ def draw(
     )
 
 
-def genetic(problem: Blend, seed: int = 0, generations: int = GENERATIONS) -> Array:
+def published(problem: Blend, seed: int = 0, generations: int = GENERATIONS) -> Array:
     """Weights (F, K) as published: convex mixes of the databank, which never rests."""
     count = len(problem.gram)
     chance = draw(np.random.default_rng(seed), generations, count, count)
     return evolve(problem.gram, problem.onto, problem.square, np.eye(count), chance)
 
 
-def repaired(problem: Blend, seed: int = 0, generations: int = _REPAIRED) -> Array:
+def genetic(problem: Blend, seed: int = 0, generations: int = _MUTATING) -> Array:
     """Weights (F, K) between 0 and 1, with the neutral in the population and mutation."""
     count = len(problem.gram)
     chance = draw(np.random.default_rng(seed), generations, count + 1, count, _STEP)

@@ -8,6 +8,7 @@ cardinal pull it is bounded least squares.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +30,14 @@ Array = NDArray[np.float64]
 
 _CHUNK = 128
 """Frames solved at a time, which bounds memory."""
+
+
+class Solves(Protocol):
+    """Finds the weights of pieces."""
+
+    def solve(self, motion: Array, unseen: Array) -> Array:
+        """Weights (F, W) for ``motion`` (F, Q, 3) mm, of which nothing is known along ``unseen``
+        (F, 3)."""
 
 
 class JointMapper:
@@ -53,7 +62,7 @@ class JointMapper:
         )
         self._fields = self.rows(self.examples.pieces)
         self._lids = find_lids(character, self.pieces)
-        self._programme = Programme(
+        self._programme: Solves = Programme(
             self._fields,
             self.rows.precision,
             len(self.rows.points),

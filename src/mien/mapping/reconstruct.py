@@ -19,7 +19,7 @@ from mien.face.databank import Databank
 from mien.face.face import Face
 from mien.mapping.blend import Solver, blend, learn_misfit
 from mien.mapping.bounded import bounded
-from mien.mapping.genetic import genetic, repaired
+from mien.mapping.genetic import genetic, published
 from mien.mapping.residual import believe, spread
 from mien.numeric.noise import noise_of
 from mien.numeric.procrustes import align
@@ -29,7 +29,7 @@ from mien.performance.performance import Performance
 Array = NDArray[np.float64]
 
 SOLVERS: Mapping[str, Solver] = MappingProxyType(
-    {"bounded": bounded, "genetic": genetic, "repaired": repaired}
+    {"bounded": bounded, "genetic": genetic, "published": published}
 )
 """The first is the default."""
 _FEWEST = 8
