@@ -49,7 +49,7 @@ def find_ball(vertices: Array, part: NDArray[np.intp], lids: Array) -> Ball | No
     parts about the same middle belong to it (iris, cornea). None where there is none."""
     middle, width = lids.mean(axis=0), float(np.linalg.norm(lids[0] - lids[1]))
     near = np.linalg.norm(vertices - middle, axis=1) < 2.0 * width
-    found: list[tuple[float, Array, int]] = []
+    found: list[tuple[int, Array, int]] = []
     for number in np.unique(part[near]):
         own = part == number
         if own.sum() < _FEWEST:
@@ -58,9 +58,10 @@ def find_ball(vertices: Array, part: NDArray[np.intp], lids: Array) -> Ball | No
         here = np.linalg.norm((centre - middle)[:2]) < _REACH * width
         round_ = off < _ROUND * radius and _has_front(vertices[own], centre)
         if here and round_ and _SIZES[0] < radius / width < _SIZES[1]:
-            found.append((radius, centre, int(number)))
+            found.append((int(own.sum()), centre, int(number)))
     if not found:
         return None
+    # A catch light or an iris is a part of a sphere too, but nobody models one so finely.
     centre = max(found, key=lambda ball: ball[0])[1]
     return Ball(np.isin(part, [number for _, _, number in found]), centre)
 
