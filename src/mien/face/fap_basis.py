@@ -18,7 +18,7 @@ from mien.face.face import Array, Face
 from mien.face.fap_lids import lids
 from mien.face.fap_lips import OUTER_LIPS, hang_lining
 from mien.face.fap_skin import CHIN, Skin, skin
-from mien.face.influence import LIPS, Mask, rows
+from mien.face.influence import LIPS, Mask, rows, sewn_up
 from mien.vocabulary.fap import PER_UNIT, column, faps, simple
 from mien.vocabulary.fapu import Fapu, measure
 
@@ -47,13 +47,14 @@ class FapBasis:
 
 
 def fap_basis(face: Face) -> FapBasis:
-    """Work out the basis of ``face``: half a second. Raises InputError where it lacks points."""
+    """Work out the basis of ``face``: a second. Raises InputError where it lacks points."""
     missing = [fdp for fdp in NEEDED if fdp not in face.points.ids]
     if missing:
         raise InputError(
-            f"the face has no feature point {missing[0]}; without {len(missing)} such points it "
-            "cannot be driven by FAPs"
+            f"{len(missing)} feature points without which FAPs cannot drive a face are missing: "
+            + ", ".join(missing)
         )
+    face, stands_for = sewn_up(face)
     fapu = measure(face.points.ids, face.points.at(face.vertices))
     held, eyes = _lids(face)
     body = skin(face, held)
@@ -75,12 +76,13 @@ def fap_basis(face: Face) -> FapBasis:
     slides += [_along_the_arch(face, fields, edges) for edges in CORNERS]
     everything = np.concatenate([fields, slides])
     fap_parts.cling(face, everything, body.part)
+    everything = everything[:, stands_for].astype(np.float32)
     gap = max(float(face.point("2.2")[1] - face.point("2.3")[1]), 0.0)
     return FapBasis(
         fapu=fapu,
         size=size,
-        fields=everything[: len(fields)].astype(np.float32),
-        slides=everything[len(fields) :].astype(np.float32),
+        fields=everything[: len(fields)],
+        slides=everything[len(fields) :],
         closed=float(np.nan_to_num(gap / fapu.philtrum * PER_UNIT)),
     )
 

@@ -11,6 +11,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from mien.errors import InputError
 from mien.face.character import Character, KeyModels
 from mien.face.face import Array
 from mien.face.fap_basis import CORNERS, LIDS, FapBasis, fap_basis
@@ -27,7 +28,10 @@ _MEET = ((4, 5), (8, 10), (9, 11))
 @lru_cache(maxsize=8)
 def basis_of(character: Character) -> FapBasis:
     """The basis of a character's face, kept: do not write into it. Raises InputError."""
-    return fap_basis(character.face)
+    try:
+        return fap_basis(character.face)
+    except InputError as error:
+        raise InputError(f"{character.name}: {error}") from error
 
 
 def is_fap(name: str) -> bool:

@@ -13,7 +13,7 @@ meet them exactly, which is what makes the values of animation parameters readab
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +21,7 @@ from scipy import sparse
 from scipy.sparse.csgraph import connected_components, dijkstra
 from scipy.sparse.linalg import splu
 
+from mien.errors import InputError
 from mien.face.face import Array, Face, FeaturePoints, Ints, Part
 
 Index = NDArray[np.intp]
@@ -104,7 +105,8 @@ def opening(
     """The hole whose edge runs through the points ``loop``, along the edges of the mesh.
 
     An eye's edge must not slip behind the lid: ``ball`` (3,) is then the eyeball's middle, and
-    vertices nearer to it than ``depth`` mm are avoided. Raises KeyError for a missing point.
+    vertices nearer to it than ``depth`` mm are avoided. Raises KeyError for a missing point,
+    InputError where the points lie on surfaces apart.
     """
     edges, length = _edges(face)
     if ball is not None:
@@ -131,6 +133,28 @@ def _edges(face: Face) -> tuple[Ints, Array]:
     triangles = face.triangles
     edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
     return edges, np.linalg.norm(face.vertices[edges[:, 0]] - face.vertices[edges[:, 1]], axis=1)
+
+
+def sewn_up(face: Face) -> tuple[Face, Index]:
+    """``face`` with its seams closed, and for each vertex (V,) the one that stands for it.
+
+    Files cut a surface where its texture is cut: two vertices at one place, each on an edge of the
+    mesh. Lips that lie on each other are not on an edge, for a mouth has an inside.
+    """
+    stands_for = np.arange(len(face.vertices))
+    for part in face.parts:
+        edges = np.sort(part.triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+        once, times = np.unique(edges, axis=0, return_counts=True)
+        rim = np.unique(once[times == 1])
+        _, first, same = np.unique(
+            face.vertices[rim], axis=0, return_index=True, return_inverse=True
+        )
+        stands_for[rim] = rim[first[same.ravel()]]
+    parts = tuple(
+        replace(p, triangles=stands_for[p.triangles].astype(np.int32)) for p in face.parts
+    )
+    points = replace(face.points, vertices=stands_for[face.points.vertices].astype(np.int32))
+    return replace(face, parts=parts, points=points), stands_for
 
 
 def part_at(face: Face, vertex: int) -> Part:
@@ -169,6 +193,8 @@ def _graph(edges: Ints, count: int, length: Array | None = None) -> sparse.csr_m
 
 def _path(graph: sparse.csr_matrix, start: int, end: int) -> Index:
     _, before = dijkstra(graph, directed=False, indices=start, return_predecessors=True)
+    if start != end and before[end] < 0:
+        raise InputError("the points round an eye or the mouth do not lie on one surface")
     path = [end]
     while path[-1] != start:
         path.append(int(before[path[-1]]))
