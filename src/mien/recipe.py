@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from math import inf
@@ -10,12 +11,14 @@ from typing import TypeVar
 
 from mien.capture import CAPTURES, CaptureSettings
 from mien.capture.fap import motion_from_faps, perform
+from mien.capture.learn import Lessons, learn
 from mien.capture.markers.perform import MarkerSettings, Mended
 from mien.capture.markers.perform import perform as perform_markers
 from mien.capture.shapes import motion_from_shapes
+from mien.capture.snakes.features import NAMES
 from mien.errors import InputError, NoFaceError
 from mien.face.character import Character
-from mien.face.databank import Databank, performer_face
+from mien.face.databank import Databank, databank, performer_face
 from mien.face.face import Face
 from mien.face.library import generic_face
 from mien.formats.fap import read_take, simple_take, write_take
@@ -25,7 +28,8 @@ from mien.formats.marker_file import holds_markers, read_markers, read_roles
 from mien.formats.mien_file import read_performance, write_performance
 from mien.formats.mp4 import Sound, write_mp4
 from mien.formats.obj_read import read_obj
-from mien.formats.performer_file import read_performer
+from mien.formats.performer_file import read_performer, write_performer
+from mien.formats.rectangles import read_rectangles
 from mien.formats.sources import open_source
 from mien.formats.video import Video
 from mien.mapping import MAPPERS, Settings
@@ -40,6 +44,7 @@ from mien.performance.curves import Curves
 from mien.performance.filters import smooth as smooth_curves
 from mien.performance.frame import Frame
 from mien.performance.performance import Performance
+from mien.performance.performer import Performer
 from mien.rig.load import load_character
 
 Progress = Callable[[int, int | None], None]
@@ -124,6 +129,46 @@ def capture(
             return way(source, replace(settings, watch=watch), source.name, told)
     except NoFaceError as error:
         raise NoFaceError(f"{source.name}: {error}") from error
+
+
+def calibrate(
+    takes: Sequence[str | Path],
+    path: str | Path,
+    *,
+    neutral: tuple[float, float] | None = None,
+    poses: Mapping[str, tuple[float, float]] | None = None,
+    features: str | Path | None = None,
+    focal: float | str | Path | None = None,
+    progress: Progress | None = None,
+) -> Performer:
+    """Learn a performer from ``takes`` and keep what was learnt in the .performer file ``path``.
+
+    ``neutral`` names the seconds (first, last) in which the face rests (found otherwise) and
+    ``poses`` those in which key poses are held; seconds count through all takes. ``features`` is
+    a file of rectangles that say where the features are (see ``formats.rectangles``), otherwise
+    the landmark networks do. Raises InputError, FormatError, NoFaceError, OutputError.
+    """
+    sources = [open_source(take) for take in takes]
+    if len({source.size for source in sources}) > 1:
+        raise InputError("the takes of a performer need pictures of one size")
+    drawn = read_rectangles(Path(features), (*NAMES, "mouth")) if features is not None else {}
+    lessons = Lessons(neutral, _focal(focal, sources[0].size[0]), poses or {}, drawn)
+    done = itertools.count(1)
+
+    def play() -> Iterator[Frame]:
+        begin = 0.0
+        for source in sources:
+            last = begin
+            for frame in source:
+                last = begin + frame.time
+                yield Frame(frame.image, last)
+                if progress is not None:
+                    progress(next(done), None)
+            begin = last + 1.0 / source.rate
+
+    performer = learn(play, lessons, ", ".join(source.name for source in sources))
+    write_performer(performer, Path(path))
+    return performer
 
 
 def capture_markers(
@@ -217,6 +262,16 @@ def enrich(
     that wore no marker; for characters of any other mesh. As ``animate_surface``."""
     surface = reconstruct(performance, bank, solver=mapping, smooth=smooth)
     return told_points(surface, performance)
+
+
+def load_databank(path: str | Path) -> Databank:
+    """A databank from its file, from a folder of OBJ files that share their topology
+    (neutral.obj and a face each), or from any character's examples. Raises InputError,
+    FormatError."""
+    character = load_character(path)
+    if not character.examples:
+        raise InputError(f"{path}: holds a neutral but no faces to blend")
+    return databank(character)
 
 
 def load_performer(path: str | Path, bank: Databank) -> Face:

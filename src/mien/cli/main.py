@@ -10,13 +10,24 @@ import traceback
 from collections.abc import Sequence
 from importlib import metadata
 
-from mien.cli import animate, capture, character, demo, doctor, interruption, live, studio
+from mien.cli import (
+    animate,
+    calibrate,
+    capture,
+    character,
+    demo,
+    doctor,
+    interruption,
+    live,
+    studio,
+)
 from mien.cli.command import Command
 from mien.errors import MienError
 
 COMMANDS: dict[str, Command] = {
     "animate": animate,
     "capture": capture,
+    "calibrate": calibrate,
     "live": live,
     "studio": studio,
     "character": character,

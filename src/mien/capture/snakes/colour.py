@@ -119,6 +119,44 @@ def transform(
     )
 
 
+def channels(patch: Picture, gains: Array, value: Field, mean: Field, box: Box) -> Array:
+    """(H, W, 4) M, K, V and G(H) of the rectangle ``box``, in plain NumPy: for training, and to
+    hold the kernel to."""
+    left, top, right, bottom = window(box)
+    inside = np.s_[top:bottom, left:right]
+    scaled = patch[inside] * gains
+    bright = np.maximum(scaled.max(axis=2), 0.25)
+    pink = ((bright - scaled[..., 1]) / bright - MAGENTA_SKIN) / 0.15
+    shown, around = np.log(_level(value[inside])), np.log(_level(mean[inside]))
+    return np.stack(
+        [
+            np.clip(pink, -2.0, 2.0),
+            np.clip(around - shown, -0.6, 1.5),
+            np.clip(shown - np.log(USUAL_SKIN[0]), -1.5, 0.6),
+            hue_response(_hue(scaled)),
+        ],
+        axis=-1,
+    )
+
+
+def _level(value: Field) -> Array:
+    return np.asarray(np.maximum(np.minimum(value, _BRIGHTEST), 0.25), dtype=float)
+
+
+def _hue(colour: Array) -> Array:
+    """(...) degrees, -180..180, of colours (..., 3)."""
+    r, g, b = np.moveaxis(colour, -1, 0)
+    most = np.maximum(colour.max(axis=-1), 0.25)
+    spread = most - colour.min(axis=-1) + 1e-3
+    return np.asarray(
+        np.where(
+            r >= most,
+            60.0 * (g - b) / spread,
+            np.where(g >= most, 60.0 * (b - r) / spread + 120.0, 60.0 * (r - g) / spread - 120.0),
+        )
+    )
+
+
 def window(box: Box) -> Box:
     """Rows and columns of the patch that a rectangle in patch units covers."""
     x, y = ORIGIN.astype(int).tolist()
