@@ -64,12 +64,15 @@ def build(model: Model, picks: Picks, unit: float | None, *, seen: bool = False)
     part = components(vertices, triangles)
     skin = _skin(vertices, triangles, part, whole)
     balls = _balls(vertices, part, whole)
+    on_skin = np.unique(skin).astype(np.intp)
+    acting = on_skin if fields[:, on_skin].any() else np.arange(len(vertices))
     if seen:
-        on_skin = np.unique(skin).astype(np.intp)
-        acting = on_skin if fields[:, on_skin].any() else np.arange(len(vertices))
         whole = settle(balanced(whole), vertices[acting], fields[:, acting], lids=balls is None)
         whole |= _margins(vertices, triangles, on_skin, balls, whole)
-    points, pivots = _points(vertices, triangles, skin, fields, whole, balls)
+    places, pivots = warped(whole)
+    places = settle(places, vertices[acting], fields[:, acting], lids=False, sure=whole)
+    points = _on_face(places, vertices, triangles, skin, fields)
+    points, pivots = _with_eyes(points, pivots, vertices, triangles, balls)
     if model.head_place is not None:
         pivots["head"] = upright(model.head_place)
     origin = (pivots["eye_left"] + pivots["eye_right"]) / 2.0
@@ -97,30 +100,39 @@ def build(model: Model, picks: Picks, unit: float | None, *, seen: bool = False)
     )
 
 
-def _points(
+def _on_face(
+    places: dict[str, Array],
     vertices: Array,
     triangles: Ints,
     skin: Ints,
     fields: NDArray[np.float32],
-    picks: Picks,
+) -> FeaturePoints:
+    """The feature points, dropped onto ``skin`` (T, 3) or what is drawn on it."""
+    points = on_surface(places, vertices, skin)
+    if fields[:, np.unique(skin)].any():
+        return points
+    return _on_decals(points, places, vertices, triangles, fields)
+
+
+def _with_eyes(
+    points: FeaturePoints,
+    pivots: dict[str, Array],
+    vertices: Array,
+    triangles: Ints,
     balls: tuple[Ball, Ball] | None,
 ) -> tuple[FeaturePoints, dict[str, Array]]:
-    """The feature points, dropped onto ``skin`` (T, 3), and the pivots."""
-    places, pivots = warped(picks)
-    points = on_surface(places, vertices, skin)
-    if not fields[:, np.unique(skin)].any():
-        points = _on_decals(points, places, vertices, triangles, fields)
+    """Pupils on the eyeballs, and what the eyes turn about."""
     if balls is not None:
         eyes = balls[0].vertices | balls[1].vertices
-        pivots |= {eye: ball.centre for eye, ball in zip(EYES, balls, strict=True)}
-        return with_pupils(points, vertices, triangles, eyes), pivots
-    at = points.at(vertices)
+        centres = {eye: ball.centre for eye, ball in zip(EYES, balls, strict=True)}
+        return with_pupils(points, vertices, triangles, eyes), pivots | centres
+    at, centres = points.at(vertices), {}
     for eye, lids in zip(EYES, LIDS, strict=True):
         corners = at[points.index(lids)]
         # An eye without a ball of its own turns half its width behind its lids.
         depth = float(np.linalg.norm(corners[0] - corners[1])) / 2.0
-        pivots[eye] = corners.mean(axis=0) - np.array([0.0, 0.0, depth])
-    return points, pivots
+        centres[eye] = corners.mean(axis=0) - np.array([0.0, 0.0, depth])
+    return points, pivots | centres
 
 
 def _on_decals(

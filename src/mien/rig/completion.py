@@ -86,11 +86,9 @@ def on_surface(places: dict[str, Array], vertices: Array, triangles: Ints) -> Fe
 
 
 def with_pupils(
-    points: FeaturePoints, vertices: Array, triangles: Ints, balls: NDArray[np.bool_] | None
+    points: FeaturePoints, vertices: Array, triangles: Ints, balls: NDArray[np.bool_]
 ) -> FeaturePoints:
-    """``points`` with the pupils on the eyeballs where the face has them."""
-    if balls is None:
-        return points
+    """``points`` with the pupils on the eyeballs ``balls`` (V,)."""
     own = triangles[balls[triangles].all(axis=1)]
     rows, at = points.index(_PUPILS), points.at(vertices)
     middles = [at[points.index(lids)].mean(axis=0) for lids in LIDS]

@@ -13,7 +13,7 @@ from mien.face.library import generic_face
 from mien.face.model import Model
 from mien.formats.character_folder import read_folder, read_obj_model
 from mien.formats.gltf_read import read_gltf
-from mien.formats.meshes import UNITS
+from mien.formats.lengths import UNITS
 from mien.formats.vrm import LOOKS, read_vrm
 from mien.rig.acts import Act, blinks, measure
 from mien.rig.build import build, facing, pupils_apart

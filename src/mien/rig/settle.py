@@ -6,6 +6,8 @@ them tells.
 
 from __future__ import annotations
 
+from collections.abc import Collection, Mapping
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -35,19 +37,24 @@ _PARTED = 0.04
 
 
 def settle(
-    places: dict[str, Array], vertices: Array, fields: Fields, *, lids: bool
+    places: Mapping[str, Array],
+    vertices: Array,
+    fields: Fields,
+    *,
+    lids: bool,
+    sure: Collection[str] = (),
 ) -> dict[str, Array]:
     """``places`` (3,) by FDP id with lid margins and inner lips where ``fields`` (K, V, 3) show
-    them to be; ``vertices`` (V, 3), upright; ``lids`` False leaves the margins."""
+    them to be; ``vertices`` (V, 3), upright; ``lids`` False leaves the margins, and points that
+    are ``sure`` stay in any case."""
     found = dict(places)
-    if not len(fields):
-        return found
-    for margins in _LIDS if lids else ():
-        if all(name in places for name in margins):
-            _settle_lids(found, margins, vertices, fields)
-    if all(name in places for name in ("8.1", "8.2", "8.3", "8.4")):
-        _settle_lips(found, vertices, fields)
-    return found
+    if len(fields):
+        for margins in _LIDS if lids else ():
+            if all(name in places for name in margins):
+                _settle_lids(found, margins, vertices, fields)
+        if all(name in places for name in ("8.1", "8.2", "8.3", "8.4")):
+            _settle_lips(found, vertices, fields)
+    return found | {name: places[name] for name in sure}
 
 
 def _settle_lids(
