@@ -16,6 +16,7 @@ from mien.mapping.fap import FapMapper
 from mien.mapping.joint import JointMapper
 from mien.mapping.population import PopulationMapper
 from mien.mapping.settings import Settings
+from mien.mapping.wires import WireMapper
 from mien.performance.curves import Curves
 from mien.performance.performance import Performance
 
@@ -46,6 +47,7 @@ MAPPERS: Mapping[str, BuildMapper] = MappingProxyType(
         "bounded": _bounded,
         "fap": FapMapper,
         "genetic": PopulationMapper,
+        "wires": WireMapper,
     }
 )
 """The first is the default."""

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from mien.face.character import Character
 from mien.face.face import Face
-from mien.face.pieces import split
+from mien.face.pieces import Pieces, split
 from mien.mapping.examples import measure_examples
 from mien.mapping.lids import SCALARS, find_lids
 from mien.mapping.programme import Programme
@@ -45,13 +45,18 @@ class JointMapper:
     Safe to call from several threads."""
 
     def __init__(
-        self, character: Character, header: Performance, settings: Settings | None = None
+        self,
+        character: Character,
+        header: Performance,
+        settings: Settings | None = None,
+        pieces: Pieces | None = None,
     ) -> None:
         """``header`` is any performance of the performer: its points, neutral, sigma and spans
-        are what counts. Raises InputError where the two have too little in common."""
+        are what counts. ``pieces`` are what is driven (those of regions and sides). Raises
+        InputError where the two have too little in common."""
         self.settings = settings or Settings()
         self.character = character
-        self.pieces = split(character)
+        self.pieces = pieces or split(character)
         self._points = header.points
         self.examples = measure_examples(
             character, self.pieces, header.points, header.neutral, self.settings.examples
