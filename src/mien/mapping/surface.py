@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 
 _MISSED = 0.03
 """mm, root mean square over skin and frames, that the components may leave out."""
-_TOLD = 1.5
+_TOLD = 2.5
 """mm, standard error of a point that wore no marker."""
 
 

@@ -33,8 +33,9 @@ _FEWEST = 8
 """Feature points below which no face can be told from another."""
 _SIZES = (0.6, 1.7)
 """Sizes of faces against the generic one, beyond which it is the unit that is wrong."""
-_PLACED = 0.5
-"""mm: a marker is glued near its feature point, not on it, and moves a little otherwise."""
+_PLACED = 1.5
+"""mm: a marker is glued near its feature point, not on it, and moves a little otherwise. (At 0.5 mm
+characters tie themselves into knots to follow what they cannot.)"""
 _LOST = 0.25
 """Share of the face's markers that must be seen in a frame."""
 
