@@ -68,7 +68,7 @@ def add_acting_options(parser: argparse.ArgumentParser, output: str | None) -> N
     )
     parser.add_argument(
         "--databank",
-        metavar="FILE",
+        metavar="FILE|FOLDER",
         help="scanned faces of one person: the surface they show lands on that person, with -c "
         "PERFORMER.obj on the performer's own neutral of the same mesh, and tells -c NAME what no "
         "marker shows",

@@ -37,10 +37,10 @@ def cast_of(options: argparse.Namespace) -> list[Actor]:
 
 
 def _databank_cast(options: argparse.Namespace) -> list[Actor]:
-    from mien.formats.databank_file import read_databank
+    from mien.recipe import load_databank
     from mien.rig.load import load_character
 
-    bank = read_databank(options.databank)
+    bank = load_databank(options.databank)
     if not options.characters:
         return [Actor(bank.name, _surface(options, bank, None))]
     actors = []
