@@ -10,7 +10,7 @@ import pytest
 
 import mien
 from actors import shown
-from guests import SHAPES, guest, write_guest
+from guests import SHAPES, edited, guest, write_guest
 from mien.errors import FormatError, InputError
 from mien.face.character import Character
 from mien.face.pieces import split
@@ -193,3 +193,20 @@ def test_points_on_the_wrong_side_are_refused(tmp_path: Path) -> None:
     path, points = write_guest(tmp_path, flip=-1.0)
     with pytest.raises(InputError, match="subject's right"):
         import_character(path, points=points)
+
+
+def test_nodes_are_named_where_they_cannot_be_found(tmp_path: Path) -> None:
+    path, points = write_guest(tmp_path)
+    edited(path, lambda told: [n.update(name=f"n{i}") for i, n in enumerate(told["nodes"])])
+    plain = import_character(path, points=points).character.origin
+    assert plain is not None
+    assert plain.hooks.eyes == (None, None)
+    said = tmp_path / "map.toml"
+    said.write_text('[nodes]\nhead = "n0"\neye_left = "n2"\n')
+    named = import_character(path, points=points, meanings=said).character.origin
+    assert named is not None
+    assert (named.hooks.head, named.hooks.eyes) == (0, (2, None))
+    for wrong in ('[nodes]\nhead = "n99"\n', '[nodes]\ntail = "n0"\n', "[nodes]\nhead = 3\n"):
+        said.write_text(wrong)
+        with pytest.raises(InputError):
+            import_character(path, points=points, meanings=said)

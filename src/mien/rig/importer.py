@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from mien.errors import FormatError, InputError
+from mien.errors import InputError
 from mien.face.character import Character
-from mien.face.library import generic_face
 from mien.face.model import Model
 from mien.formats.character_folder import read_folder, read_obj_model
 from mien.formats.gltf_read import read_gltf
@@ -18,6 +16,7 @@ from mien.formats.vrm import LOOKS, read_vrm
 from mien.rig.acts import Act, blinks, measure
 from mien.rig.build import build, facing, pupils_apart
 from mien.rig.picks import Picks, read_picks
+from mien.rig.said import NOTHING, Said, meant, read_said, with_nodes
 from mien.rig.spoken import arkit_keys, disagreements
 
 FORMATS: Mapping[str, Callable[[Path], Model]] = {
@@ -31,7 +30,6 @@ ANY_SIZE = "face"
 """The unit of a face whose size does not count."""
 _HUMAN = (35.0, 110.0)
 """mm between the pupils of what may be a face, where a file says metres."""
-_NOTHING = "nothing"
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,14 +76,17 @@ def import_character(
 
     ``points`` is a file of feature points (found by looking otherwise), ``units`` "m", "cm",
     "mm" ... or "face" where the size does not count, ``meanings`` a file that says what shapes
-    mean. Raises InputError, FormatError, NoFaceError, MissingExtraError.
+    mean and which nodes turn head and eyes (``rig.said``). Raises InputError, FormatError,
+    NoFaceError, MissingExtraError.
     """
     model = read_model(path)
+    said = read_said(meanings) if meanings is not None else Said({}, {})
+    model = with_nodes(model, said, path)
     picks = read_picks(points) if points is not None else _seen(model, path)
     unit = _unit(model, picks, units, path)
     character = build(model, picks, unit, seen=points is None)
     character = replace(character, name=name or model.name)
-    return _finish(character, model, read_meanings(meanings, model), facing(picks))
+    return _finish(character, model, meant(said, model), facing(picks))
 
 
 def _finish(
@@ -101,7 +102,7 @@ def _finish(
         for act in acts
         if meanings.get(act.name, "" if act.still else act.name)
         and act.name not in mixed | by_gaze
-        and meanings.get(act.name) != _NOTHING
+        and meanings.get(act.name) != NOTHING
     ]
     rest = [act.name for act in acts if act.still and act.name not in meanings]
     notes = [*model.notes, *disagreements(acts)]
@@ -112,37 +113,11 @@ def _finish(
         character,
         examples=tuple(acting),
         blinks=blinks(tuple(act for act in acts if act.name in acting)),
-        meanings={key: word for key, word in meanings.items() if word != _NOTHING},
+        meanings={key: word for key, word in meanings.items() if word != NOTHING},
         speaks={"arkit": spoken} if spoken else {},
         looks=looks if by_gaze else {},
     )
     return Import(character, acts, towards, tuple(notes))
-
-
-def read_meanings(path: Path | None, model: Model) -> Mapping[str, str]:
-    """A map file: [shapes] with lines "morph3" = "mouthSmileLeft" (a key model of the generic
-    face) or "nothing". Raises InputError, FormatError."""
-    if path is None:
-        return {}
-    try:
-        found = tomllib.loads(path.read_text("utf-8")).get("shapes")
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror or error})") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
-        raise FormatError(f"{path}: not TOML ({error})") from error
-    if not isinstance(found, dict):
-        raise FormatError(f'{path}: has no [shapes]; write "its shape" = "mouthSmileLeft" there')
-    known = {*generic_face().keys.names, _NOTHING}
-    own = {shape.name for shape in model.shapes}
-    for shape, meaning in found.items():
-        if shape not in own:
-            raise InputError(f"{path}: the character has no shape '{shape[:60]}'")
-        if meaning not in known:
-            raise InputError(
-                f"{path}: '{str(meaning)[:60]}' is no movement mien knows; "
-                "see 'mien character list generic'"
-            )
-    return dict(found)
 
 
 def _seen(model: Model, path: Path) -> Picks:
