@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from scipy import sparse
 from scipy.spatial import cKDTree
 
 from mien.face.face import Array, Face, Part
-from mien.face.influence import Mask, Surface, part_at, rows
+from mien.face.influence import Index, Mask, Surface, part_at, rows
 
 TONGUE_TIP, TONGUE_BORDERS = "6.1", ("6.3", "6.4")
 EARS = ("10.1", "10.2")
@@ -19,7 +20,9 @@ _ROOT = 0.35
 """Part of the tongue's length, from behind, that is grown fast."""
 _TOUCHES = 2.5
 """mm between an ear and the skin it grows on."""
-_NEAREST = 6
+_NEAREST = 4
+_STIFF = 2.5
+"""mm over which brows and lashes move alike."""
 
 
 def on_lower_jaw(face: Face) -> Mask:
@@ -104,21 +107,34 @@ def cling(face: Face, fields: Array, skin: Mask) -> None:
     ``fields`` (N, V, 3)."""
     fixed = [part.name for part in face.parts if part.name.startswith((*_STANDS, *_ON_LOWER_JAW))]
     fixed += [ear.name for fdp in EARS if (ear := _bearing(face, fdp)) is not None]
-    clinging = _together(
-        face,
-        [
-            part
-            for part in face.parts
-            if part.follows == "head" and not skin[part.first] and part.name not in fixed
-        ],
-    )
-    if not clinging.any():
-        return
     below = np.flatnonzero(skin)
-    distance, near = cKDTree(face.vertices[below]).query(face.vertices[clinging], k=_NEAREST)
-    weight = 1.0 / np.maximum(distance, 1e-6) ** 2
-    weight /= weight.sum(axis=1, keepdims=True)
-    fields[:, clinging] = np.einsum("nvkx,vk->nvx", fields[:, below[near]], weight)
+    for part in face.parts:
+        if part.follows != "head" or skin[part.first] or part.name in fixed:
+            continue
+        follow = _beneath(face, part, below)
+        for field in fields:
+            field[part.first : part.last] = follow @ field
+
+
+def _beneath(face: Face, part: Part, skin: Index) -> sparse.csr_matrix:
+    """(N, V) weights of the skin's vertices that each vertex of ``part`` follows. What is thinner
+    than _STIFF bends with the skin and does not crumple."""
+    places = face.vertices[part.first : part.last]
+    distance, near = cKDTree(face.vertices[skin]).query(places, k=_NEAREST)
+    row = np.repeat(np.arange(len(places)), _NEAREST)
+    weight = 1.0 / np.maximum(distance, 1e-6).ravel() ** 2
+    follow = sparse.csr_matrix(
+        (weight, (row, skin[near].ravel())), (len(places), len(face.vertices))
+    )
+    tree = cKDTree(places)
+    alike = tree.sparse_distance_matrix(tree, 2.5 * _STIFF, output_type="coo_matrix").tocsr()
+    alike.data = np.exp(-((alike.data / _STIFF) ** 2))
+    return _shares(alike) @ _shares(follow)
+
+
+def _shares(weights: sparse.csr_matrix) -> sparse.csr_matrix:
+    """``weights`` with rows that sum to 1."""
+    return sparse.diags(1.0 / np.asarray(weights.sum(axis=1)).ravel()) @ weights
 
 
 def _together(face: Face, parts: Sequence[Part]) -> Mask:
