@@ -108,6 +108,8 @@ def _look_again(
                 continue
             if number == middle:
                 anchor = seen.grey
+                known = eyes.lenses(frame, seen.placement, lenses)
+                lenses = lenses if known is None else known
             if number in wanted:
                 found = eyes.lenses(frame, seen.placement, seen.lenses)
                 if found is not None:

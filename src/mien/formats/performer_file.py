@@ -50,7 +50,7 @@ _DAMAGE = (
 def write_performer(performer: Performer, path: Path) -> None:
     """Write ``path`` whole or not at all; every number is kept to the bit. Raises OutputError."""
     arrays = {
-        f"{section}/{name}": np.ascontiguousarray(array, dtype="<f8")
+        f"{section}/{name}": np.asarray(array, dtype="<f8", order="C")
         for section in SECTIONS
         for name, array in getattr(performer, section).items()
     }

@@ -252,13 +252,12 @@ class _Inside:
 
     def added(self, field: Field) -> Field:
         """``field`` of the lips with the open mouth inside them filled: a wide mouth has a thin
-        ring for lips. Not under a moustache, which is as dark as a mouth."""
-        if moustache(self._expected, self._value, self._corner):
-            return field
+        ring for lips. A moustache is as dark as a mouth, so under one it must not spread."""
+        hairy = moustache(self._expected, self._value, self._corner)
         dark, teeth = inside_masks(self._value, self._magenta, self._lips)
-        near: Picture = np.asarray(
-            cv2.dilate(filled(self._expected, self._corner, field.shape), _GROWN), np.uint8
-        )
+        near = filled(self._expected, self._corner, field.shape)
+        if not hairy:
+            near = np.asarray(cv2.dilate(near, _GROWN), dtype=np.uint8)
         return np.maximum(field, ((dark | teeth) & near).astype(np.float32))
 
     def opening(self, outline: Array) -> tuple[Opening, LipColour]:

@@ -37,7 +37,8 @@ def lessons(patch: Picture, lenses: Array, group: str) -> list[Lesson]:
     for light in _LIGHTS:
         shown = np.clip(patch * np.array(light), 0, 255).astype(np.uint8)
         look = look_at(shown)
-        pixels, wanted = (each[::_EVERY] for each in _examples(look, lenses, group))
+        whole, mask = _examples(look, lenses, group)
+        pixels, wanted = whole[::_EVERY], mask[::_EVERY]
         share = np.where(wanted, 0.5 / max(wanted.sum(), 1), 0.5 / max((~wanted).sum(), 1))
         found.append(Lesson(means(look.value), pixels, wanted.astype(float), share))
     return found
