@@ -13,15 +13,19 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from mien.errors import InputError
 from mien.face.character import Character
 from mien.face.face import Face
 from mien.face.pieces import Pieces, split
 from mien.mapping.examples import measure_examples
 from mien.mapping.lids import SCALARS, find_lids
+from mien.mapping.own import Correction, personal, pose_weights
 from mien.mapping.programme import Programme
+from mien.mapping.ranges import range_gains
 from mien.mapping.regional import RegionalCardinal
 from mien.mapping.settings import Settings
-from mien.mapping.sight import compare
+from mien.mapping.sight import compare, seen
+from mien.numeric.rotation import from_vector, to_vector
 from mien.performance.curves import Curves
 from mien.performance.performance import Performance
 
@@ -62,6 +66,11 @@ class JointMapper:
             character, self.pieces, header.points, header.neutral, self.settings.examples
         )
         self.rows = compare(header, self.examples.points)
+        self._range = range_gains(self.settings.ranges, self.examples)
+        if self.settings.own is not None:
+            wanted = self._whole_motion(self.settings.own.moments)
+            posed = pose_weights(self.settings.own, character, self.pieces)
+            self.examples = personal(self.examples, wanted, posed)
         self.cardinal = RegionalCardinal(
             self.examples, self.pieces, self.rows, self.settings.linear_ridge
         )
@@ -75,6 +84,7 @@ class JointMapper:
             self.cardinal,
             self.settings,
         )
+        self._correction = self._corrected()
 
     def __call__(self, performance: Performance) -> Curves:
         """Curves of the character for every frame of ``performance``, which is by the performer
@@ -83,9 +93,12 @@ class JointMapper:
         residual = np.empty(len(performance))
         for part in _parts(len(performance)):
             motion, unseen = self._read(performance, part)
-            weights[part] = self._mix(self._programme.solve(motion, unseen), performance, part)
+            weights[part] = self._solve(motion, unseen, performance, part)
             residual[part] = self._residual(motion, unseen, weights[part])
         rotation, translation = head_on_neck(performance, self.character.face)
+        if self.settings.head != 1.0:
+            rotation = from_vector(self.settings.head * to_vector(rotation))
+            translation = self.settings.head * translation
         return Curves(
             character=self.character.name,
             names=self.pieces.names,
@@ -93,7 +106,7 @@ class JointMapper:
             weights=weights,
             rotation=rotation,
             translation=translation,
-            gaze=performance.gaze,
+            gaze=self.settings.eyes * performance.gaze,
             lost=performance.lost,
             residual=residual,
         )
@@ -120,15 +133,44 @@ class JointMapper:
         """Motion (F, Q, 3) of the compared rows, exaggerated, and the unseen directions."""
         if performance.points != self._points:
             raise ValueError("the performance has other feature points than the mapper's header")
-        motion = performance.motion[part][:, self.rows.points]
-        return self.rows(motion * self.settings.gain), performance.unseen[part]
+        motion = performance.motion[part][:, self.rows.points] * self._range
+        return self.rows(motion * self._exaggeration()), performance.unseen[part]
+
+    def _exaggeration(self) -> Array:
+        """(P, 1) by which each point's motion is multiplied."""
+        sliders = np.array([self.settings.brows, self.settings.eyes, self.settings.mouth])
+        share = sliders @ self.examples.masks.sum(axis=1)
+        return np.asarray(self.settings.gain * share[:, None])
+
+    def _whole_motion(self, moments: Performance) -> Array:
+        """(M, P, 3) of the performer's own moments, as it was."""
+        if moments.points != self._points:
+            raise InputError("own examples: other feature points than the performance has")
+        return moments.motion[:, self.rows.points] * self._range
+
+    def _corrected(self) -> Correction | None:
+        """What makes own examples exact; None without any."""
+        if self.settings.own is None:
+            return None
+        moments = self.settings.own.moments
+        motion = self.rows(self._whole_motion(moments))
+        found = self._mix(self._programme.solve(motion, moments.unseen), moments, slice(None))
+        wanted = pose_weights(self.settings.own, self.character, self.pieces)
+        return Correction(motion * np.sqrt(self.rows.precision), wanted - found)
+
+    def _solve(self, motion: Array, unseen: Array, performance: Performance, part: slice) -> Array:
+        """(F, W) weights with lids mixed and own examples met."""
+        weights = self._mix(self._programme.solve(motion, unseen), performance, part)
+        if self._correction is not None:
+            weights += self._correction(motion * np.sqrt(self.rows.precision), seen(unseen))
+        return weights
 
     def _mix(self, weights: Array, performance: Performance, part: slice) -> Array:
         """Weights with the lids as the performer's closures have them, where those are known."""
         if self._lids is None or any(name not in performance.scalars for name in SCALARS):
             return weights
         closure = np.stack([performance.scalars[name][part] for name in SCALARS], axis=-1)
-        return self._lids.mix(weights, closure)
+        return self._lids.mix(weights, np.minimum(self.settings.eyes * closure, 1.0))
 
     def _residual(self, motion: Array, unseen: Array, weights: Array) -> Array:
         """(F,) mm, root mean square over the points of what was seen and not expressed."""

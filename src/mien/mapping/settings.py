@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from mien.errors import InputError
+from mien.mapping.own import OwnExamples
+from mien.mapping.ranges import Ranges
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,14 +33,25 @@ class Settings:
     alone cannot tell (the brows of fear are half the brows of surprise)."""
     linear_ridge: float = 5.0
     """Ridge of the cardinal functions' linear part."""
+    brows: float = 1.0
+    eyes: float = 1.0
+    mouth: float = 1.0
+    head: float = 1.0
+    """Exaggeration of each region, beside ``gain``; lids and gaze go with the eyes."""
+    own: OwnExamples | None = None
+    """Moments of the performer that stand for poses of the character."""
+    ranges: Ranges | None = None
+    """The performer's own range, which is made the character's."""
     bound: float = 1.15
     """Largest weight, at a gain of 1 or less."""
 
     def __post_init__(self) -> None:
-        if not (np.isfinite(self.gain) and 0.0 <= self.gain <= 10.0):
-            raise InputError(f"gain {self.gain} cannot be used; choose from 0 to 10")
+        for name in ("gain", "brows", "eyes", "mouth", "head"):
+            level = getattr(self, name)
+            if not (np.isfinite(level) and 0.0 <= level <= 10.0):
+                raise InputError(f"{name} {level} cannot be used; choose from 0 to 10")
 
     @property
     def largest(self) -> float:
         """Largest weight: an exaggerated face may go further."""
-        return self.bound * max(self.gain, 1.0)
+        return self.bound * max(self.gain * max(self.brows, self.eyes, self.mouth), 1.0)
