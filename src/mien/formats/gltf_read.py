@@ -6,8 +6,6 @@ believed: counts are bounded before memory is asked for, and what is mended is n
 
 from __future__ import annotations
 
-import io
-import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -15,20 +13,19 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image
 
 from mien.face.face import Array
 from mien.face.model import Bind, Model, ModelPart, Shape
 from mien.formats.gltf_accessors import Accessors
-from mien.formats.gltf_container import Container, Json, open_gltf, referred
-from mien.formats.gltf_nodes import Nodes, find_hooks, joint_place, numbers, read_nodes
+from mien.formats.gltf_colours import Paint
+from mien.formats.gltf_container import Container, Json, open_gltf
+from mien.formats.gltf_nodes import Nodes, find_hooks, joint_place, read_nodes
 from mien.formats.gltf_pack import packed
 
 MAX_DISPLACEMENTS = 50_000_000
 """Morph targets times vertices, all meshes together: what memory is asked for."""
 _MAX_VERTICES, _MAX_TARGETS = 4_000_000, 20_000
 _FARTHEST = 1e7
-_MAX_PICTURE = 8192
 _KNOWN = (
     "KHR_mesh_quantization",
     "KHR_texture_transform",
@@ -42,7 +39,6 @@ _KNOWN = (
     "KHR_meshopt_compression",
 )
 _TRIANGLES = 4
-_PLAIN = (0.6, 0.6, 0.6)
 
 
 def read_gltf(path: Path | str) -> Model:
@@ -62,7 +58,7 @@ def read_gltf(path: Path | str) -> Model:
         parts=tuple(reading.parts),
         shapes=tuple(reading.shapes.values()),
         unit=1000.0,
-        notes=tuple(reading.notes),
+        notes=(*reading.notes, *reading.paint_notes),
         hooks=hooks,
         head_place=joint_place(container, reading.nodes, hooks.head),
         source=packed(container),
@@ -95,7 +91,7 @@ class _Reading:
 
     def __post_init__(self) -> None:
         self.accessors = Accessors(self.container)
-        self._pictures: dict[int, NDArray[np.uint8] | None] = {}
+        self._paint = Paint(self.accessors)
 
     def read(self) -> None:
         for node in sorted(self.nodes.world):
@@ -106,6 +102,10 @@ class _Reading:
         self._bound()
         for node, mesh in self.placed:
             self._mesh(node, mesh)
+
+    @property
+    def paint_notes(self) -> list[str]:
+        return self._paint.notes
 
     def targets(self, mesh: int) -> int:
         """How many morph targets a mesh has."""
@@ -172,7 +172,7 @@ class _Reading:
                 name if not number or self.parts[-1].node != node else f"{name}_{number}",
                 world,
                 np.ascontiguousarray(triangles, dtype=np.int32),
-                self._colours(primitive, attributes, len(places)),
+                self._paint.colours(primitive, len(places)),
                 node,
             )
         )
@@ -249,41 +249,6 @@ class _Reading:
         share = np.where(total > 0, share / np.maximum(total, 1e-12), [1.0, 0.0, 0.0, 0.0])
         return np.asarray(np.einsum("nk,nkij->nij", share, placed[which][:, :, :3]))
 
-    def _colours(self, primitive: Json, attributes: Json, count: int) -> Array:
-        """(N, 3) linear RGB: factor, picture and vertex colours as far as they can be read."""
-        materials = self.container.listed("materials")
-        index = primitive.get("material")
-        if index is None or type(index) is not int or not 0 <= index < len(materials):
-            return np.tile(_PLAIN, (count, 1))
-        surface = _dict(materials[index].get("pbrMetallicRoughness"))
-        factor = surface.get("baseColorFactor", [1.0, 1.0, 1.0, 1.0])
-        colours = np.tile(numbers(self.container, factor, 4, "baseColorFactor")[:3], (count, 1))
-        texture = _dict(surface.get("baseColorTexture"))
-        place = attributes.get(f"TEXCOORD_{texture.get('texCoord', 0)}")
-        picture = self._picture(texture.get("index"))
-        if picture is not None and place is not None and self.accessors.count(place) == count:
-            colours *= _sampled(picture, self.accessors.read(place, 2).astype(float), texture)
-        return np.clip(colours, 0.0, 1.0)
-
-    def _picture(self, texture: object) -> NDArray[np.uint8] | None:
-        textures = self.container.listed("textures")
-        if type(texture) is not int or not 0 <= texture < len(textures):
-            return None
-        source = textures[texture].get("source")
-        images = self.container.listed("images")
-        if type(source) is not int or not 0 <= source < len(images):
-            return None
-        if source not in self._pictures:
-            self._pictures[source] = _decoded(self._image_bytes(images[source]))
-            if self._pictures[source] is None:
-                self._note(f"images[{source}] cannot be shown in previews; it stays in the file")
-        return self._pictures[source]
-
-    def _image_bytes(self, image: Json) -> bytes:
-        if "bufferView" in image:
-            return self.accessors.view_bytes(image["bufferView"])
-        return referred(self.container, str(image.get("uri", "")))
-
     def _target_names(self, index: int, count: int) -> list[str]:
         """(count) names, empty where there is none; they stand on the mesh or its primitives."""
         mesh = self.container.listed("meshes")[index]
@@ -342,30 +307,3 @@ def _clean(name: object) -> str:
         return ""
     kept = "".join(letter for letter in name[:120] if letter.isprintable() and letter not in "<>")
     return kept.replace("/", "_").replace("\\", "_").strip(". ")
-
-
-def _decoded(content: bytes) -> NDArray[np.uint8] | None:
-    """(H, W, 3), or None for what is no picture or too large."""
-    try:
-        with warnings.catch_warnings(), Image.open(io.BytesIO(content)) as picture:
-            warnings.simplefilter("ignore")
-            warnings.simplefilter("error", Image.DecompressionBombWarning)
-            if max(picture.size) > _MAX_PICTURE:
-                return None
-            picture.draft("RGB", (1024, 1024))
-            return np.asarray(picture.convert("RGB"))
-    except (OSError, ValueError, SyntaxError, Image.DecompressionBombError, Warning):
-        return None
-
-
-def _sampled(picture: NDArray[np.uint8], uv: Array, texture: Json) -> Array:
-    """(N, 3) linear RGB of a picture at texture coordinates (N, 2)."""
-    shift = _dict(_dict(texture.get("extensions")).get("KHR_texture_transform"))
-    offset, scale = shift.get("offset", [0, 0]), shift.get("scale", [1, 1])
-    if len(_list(offset)) == 2 and len(_list(scale)) == 2 and "rotation" not in shift:
-        uv = uv * np.asarray(scale, dtype=float) + np.asarray(offset, dtype=float)
-    height, width = picture.shape[:2]
-    column = np.clip(np.floor(uv[:, 0] % 1.0 * width), 0, width - 1).astype(int)
-    row = np.clip(np.floor(uv[:, 1] % 1.0 * height), 0, height - 1).astype(int)
-    value = picture[row, column] / 255.0
-    return np.asarray(np.where(value <= 0.04045, value / 12.92, ((value + 0.055) / 1.055) ** 2.4))
