@@ -12,6 +12,7 @@ from PIL import Image, ImageDraw, ImageFont
 from mien.face.animate import Poser
 from mien.face.character import Character
 from mien.view.camera import Camera
+from mien.view.framing import framing
 from mien.view.renderer import Renderer
 
 Picture = NDArray[np.uint8]
@@ -29,12 +30,15 @@ def contact_sheet(character: Character) -> Picture:
     """Picture (H, 1600, 3) of the neutral from four sides and of every key model, labelled."""
     poser, renderer = Poser(character.face, character.keys), Renderer(character.face)
     rest = character.face.vertices
+    whole, close = _WHOLE, _CLOSE
+    if character.whole:
+        whole = close = framing(character.face)
     views = {
-        f"{character.name}, {name}": renderer.render(rest, _sized(_WHOLE, len(_VIEWS), yaw=yaw))
+        f"{character.name}, {name}": renderer.render(rest, _sized(whole, len(_VIEWS), yaw=yaw))
         for name, yaw in _VIEWS.items()
     }
     keys = {
-        name: renderer.render(poser.morph(weights), _sized(_CLOSE, _COLUMNS))
+        name: renderer.render(poser.morph(weights), _sized(close, _COLUMNS))
         for name, weights in zip(poser.names, np.eye(len(poser.names)), strict=True)
     }
     return np.vstack([_grid(views, len(_VIEWS)), _grid(keys, _COLUMNS)])

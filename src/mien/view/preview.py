@@ -17,6 +17,7 @@ from mien.face.targets import targets
 from mien.performance.curves import Curves
 from mien.performance.frame import Frame
 from mien.view.camera import Camera
+from mien.view.framing import framing
 from mien.view.renderer import Renderer
 
 Picture = NDArray[np.uint8]
@@ -26,9 +27,6 @@ _SIDE = 360
 """Pixels of a character's square."""
 _ALONE = 540
 """The same where there is only one."""
-_HEADROOM = 2.6
-"""Diameter of what counts as head, in heights of its feature points."""
-_MARGIN = 1.3
 _AHEAD = 4
 """Frames that wait at most: memory does not grow with the take."""
 _WIDEST = 2.4
@@ -71,24 +69,11 @@ class _Actor:
         self._curves = curves
         self._poser = Poser(character.face, targets(character, curves.names))
         self._renderer = Renderer(character.face)
-        self._camera = replace(_framing(character), size=(side, side))
+        camera = framing(character.face) if character.whole else CAMERA
+        self._camera = replace(camera, size=(side, side))
 
     def draw(self, frame: int) -> Picture:
         return self._renderer.render(self._poser.at(self._curves, frame), self._camera)
-
-
-def _framing(character: Character) -> Camera:
-    """The usual camera for mien's own characters; one that holds the head of any other."""
-    if not character.whole:
-        return CAMERA
-    face = character.face
-    places = face.points.at(face.vertices)
-    height = _HEADROOM * float(np.ptp(places[:, 1]))
-    near = np.linalg.norm(face.vertices - places.mean(axis=0), axis=1) < height / 2.0
-    low, high = face.vertices[near].min(axis=0), face.vertices[near].max(axis=0)
-    height = _MARGIN * float((high - low)[:2].max())
-    x, y, z = ((low + high) / 2.0).tolist()
-    return Camera(height=height, centre=(x, y, z), distance=4.0 * height)
 
 
 def _side(count: int) -> int:
