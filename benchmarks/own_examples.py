@@ -40,6 +40,8 @@ Array = NDArray[np.float64]
 FACES = {"smile": "smile", "surprise": "surprise", "anger": "anger", "sad": "sad", "pucker": "kiss"}
 """The woman's key models, and the faces of the ICT databank that mean the same."""
 EXCESS = 1.5
+MARKERS = 0.3
+"""mm, standard error of markers: the landmarks of a video are no surer of lids than they move."""
 FRAMES = 300
 RATE = 30.0
 
@@ -134,8 +136,9 @@ def at_examples(
 
 def retargeting(character: Character, performance: Performance) -> dict[str, float]:
     """The largest relative change of a region's mean weight, over regions and scales."""
-    before = mean_weights(character, performance, fitted=True)
+    performance = replace(performance, sigma=np.full_like(performance.sigma, MARKERS))
     worst, unfitted = 0.0, 0.0
+    before = mean_weights(character, performance, fitted=True)
     plain = mean_weights(character, performance, fitted=False)
     for region in range(len(REGIONS)):
         for scale in (0.5, 0.7):

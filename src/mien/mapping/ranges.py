@@ -20,9 +20,9 @@ Array = NDArray[np.float64]
 
 _MOST = 98.0
 """Percentile of motion that counts as the furthest: one bad frame must not."""
-_SEEN = 2.0
-"""Standard errors that a range must exceed to be believed in full."""
-_LIMITS = (0.25, 4.0)
+_SEEN = 1.0
+"""Standard errors at which a range is half believed."""
+_LIMITS = (0.125, 8.0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -71,7 +71,7 @@ def range_gains(ranges: Ranges | None, examples: Examples) -> Array:
             if not np.isfinite(reach) or not np.isfinite(noise):
                 continue
             wanted = _norm(own[here, axis])
-            belief = reach**2 / (reach**2 + (_SEEN * noise) ** 2)
+            belief = reach**4 / (reach**4 + (_SEEN * noise) ** 4)
             gains[here, axis] = np.clip(wanted / max(reach, 1e-9), *_LIMITS) ** belief
     return gains
 
