@@ -48,11 +48,12 @@ def main() -> None:
     parser.add_argument("--still", type=Path, help="a video with a resting face")
     parser.add_argument("--frame", type=int, default=5, help="which of its frames to repeat")
     parser.add_argument("--character", default="man")
+    parser.add_argument("--capture", default="landmarks")
     parser.add_argument("--json", action="store_true")
     options = parser.parse_args()
 
     character = mien.load_character(options.character)
-    performance = mien.capture(options.video)
+    performance = mien.capture(options.video, method=options.capture)
     raw = lid_closure(character, mien.animate(performance, character, smooth=False))
     shown = lid_closure(character, mien.animate(performance, character))
     figures: dict[str, float] = {
@@ -65,7 +66,7 @@ def main() -> None:
         figures |= wink_figures(shown, labels) | event_figures(shown, labels)
         figures["blink_kept"] = blink_kept(raw, shown, labels)
     if options.still:
-        figures |= stillness(character, options.still, options.frame)
+        figures |= stillness(character, options.still, options.frame, options.capture)
     show("eyes", f"The {character.name}'s eyes on {options.video.name}", figures, options.json)
 
 
@@ -164,7 +165,7 @@ def blink_kept(raw: Array, shown: Array, labels: dict[str, Any]) -> float:
     return min(kept)
 
 
-def stillness(character: Character, video: Path, number: int) -> dict[str, float]:
+def stillness(character: Character, video: Path, number: int, capture: str) -> dict[str, float]:
     """Root mean square shake of the skin, mm, of one picture repeated with noise."""
     picture = next(f.image for i, f in enumerate(open_source(video)) if i == number)
 
@@ -174,7 +175,7 @@ def stillness(character: Character, video: Path, number: int) -> dict[str, float
             noisy = picture + random.normal(0.0, NOISE, picture.shape)
             yield Frame(np.clip(np.rint(noisy), 0, 255).astype(np.uint8), i / 30.0)
 
-    performance = CAPTURES["landmarks"](repeats(), CaptureSettings(), video.name)
+    performance = CAPTURES[capture](repeats(), CaptureSettings(), video.name)
     pieces = split(character)
     poser = Poser(character.face, pieces)
     skin = character.face.part("skin")

@@ -14,7 +14,7 @@ from mien.capture.neutral import ground
 from mien.capture.settings import CaptureSettings, Progress
 from mien.capture.track import LandmarkTrack
 from mien.capture.tracker.crop import Crop, Kept, cut, pack, unpack
-from mien.capture.tracker.look import take
+from mien.capture.tracker.look import Look, take
 from mien.capture.tracker.meet import Crops, Meeting, generic_person, meet
 from mien.capture.tracker.perform import perform
 from mien.capture.tracker.person import Person
@@ -80,7 +80,7 @@ def follow_take(
     met = meet(somebody, points, rest, faces, trust)
     middle = (rest.start + rest.stop) // 2
     gap = _gaps(track)
-    look = take(met.person, met.crop, met.rest)
+    look = _steady(met, points, faces, rest, trust)
     found: dict[int, Found] = {}
     for way in (range(middle, len(points)), range(middle - 1, -1, -1)):
         following = Tracker(met.person, [look], met.rest, trust)
@@ -89,6 +89,18 @@ def follow_take(
                 following.lose()
             found[frame] = following.step(faces[frame], points[frame])
     return Followed(met, [found[frame] for frame in range(len(points))])
+
+
+def _steady(met: Meeting, points: Array, faces: Crops, rest: slice, trust: Trust | None) -> Look:
+    """The mean look of the resting frames, each read where the face lies in it: noise goes."""
+    first = take(met.person, met.crop, met.rest)
+    following = Tracker(met.person, [first], met.rest, trust)
+    looks = [first]
+    for frame in range(rest.start, rest.stop):
+        found = following.step(faces[frame], points[frame])
+        looks.append(take(met.person, faces[frame], found.state))
+    levels = (np.mean(each, axis=0) for each in zip(*(look.levels for look in looks), strict=True))
+    return Look(tuple(levels), first.seen, met.rest)
 
 
 def _gaps(track: LandmarkTrack) -> NDArray[np.bool_]:

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from mien.capture.tracker.state import State
 from mien.numeric.gauss_newton import Linearized
-from mien.numeric.rotation import to_vector
 
 Array = NDArray[np.float64]
 
@@ -42,7 +41,8 @@ class MotionTerm:
 
     def linearize(self, state: State) -> Linearized:
         """(6 + K,) residuals. The turn is taken as a small one."""
-        turn = to_vector(state.rotation @ self.expected.rotation.T)
+        off = state.rotation @ self.expected.rotation.T
+        turn = 0.5 * np.array([off[2, 1] - off[1, 2], off[0, 2] - off[2, 0], off[1, 0] - off[0, 1]])
         sigma = np.concatenate(
             [
                 np.full(3, self.rotation_sigma),
@@ -50,11 +50,11 @@ class MotionTerm:
                 np.full(len(state.weights), self.weight_sigma),
             ]
         )
-        off = np.concatenate(
+        residual = np.concatenate(
             [
                 turn,
                 state.translation - self.expected.translation,
                 state.weights - self.expected.weights,
             ]
         )
-        return Linearized(off / sigma, np.diag(1.0 / sigma))
+        return Linearized(residual / sigma, np.diag(1.0 / sigma))

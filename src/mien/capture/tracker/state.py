@@ -13,13 +13,12 @@ h = dr/dY of its residual gets its Jacobian from ``chain``:
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
-
-from mien.numeric.rotation import from_vector
 
 Array = NDArray[np.float64]
 Floats = NDArray[np.float32]
@@ -39,10 +38,21 @@ class State:
     def moved(self, step: Array) -> State:
         """This state after ``step`` (6 + K,)."""
         return State(
-            from_vector(step[:3]) @ self.rotation,
+            _increment(step[:3]) @ self.rotation,
             self.translation + step[3:6],
             self.weights + step[6:],
         )
+
+
+def _increment(vector: Array) -> Array:
+    """(3, 3) of one rotation vector (3,) (Rodrigues), without the machinery of batches: a frame
+    takes a dozen steps."""
+    x, y, z = vector.tolist()
+    angle = math.sqrt(x * x + y * y + z * z)
+    sine = math.sin(angle) / angle if angle > 1e-6 else 1.0
+    cosine = (1.0 - math.cos(angle)) / angle**2 if angle > 1e-6 else 0.5
+    k = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    return np.asarray(np.eye(3) + sine * k + cosine * (k @ k))
 
 
 @dataclass(frozen=True, slots=True)

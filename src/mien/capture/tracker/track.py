@@ -34,7 +34,7 @@ MOTION_SIGMA = (0.05, 8.0, 0.3)
 LEVELS = (0, 1, 1)
 """Of looks, one Gauss-Newton step each."""
 SAMPLES = 1800
-EVERY, DOUBT = 5, 1.15
+EVERY, DOUBT = 15, 1.3
 """Every so many frames, and where looks agree so much less than usual, the landmarks' own pose is
 tried too."""
 KEY_APART, KEY_FROM, KEY_NEARER = 15.0, 18.0, 8.0

@@ -11,7 +11,7 @@ class Trust:
 
     texture: float = 0.15
     """Of a texel: neighbours are not independent."""
-    anchor: float = 0.3
+    anchor: float = 0.5
     """Of a landmark's place."""
     predictor: bool = True
     """Landmarks' motion since the frame before gives the start; or else their place does."""
