@@ -24,12 +24,14 @@ import trimesh
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from mien.cli.scanning import detect_once
 from mien.face.face import FeaturePoints
 from mien.face.library import generic_face
 from mien.face.mesh import Mesh
 from mien.formats.ply import read_ply
 from mien.numeric.normals import vertex_normals
 from mien.scan.parameterise import Parameterised, ScanPoints, parameterise
+from mien.scan.points import PointFinder, Reference
 from mien.scan.projection import PROJECTIONS, Settings
 from mien.scan.surface import Surface
 from mien.scan.template import Template, face_template, make_template
@@ -61,6 +63,11 @@ def main() -> None:
     parser.add_argument("--truth", type=Path, nargs="+", required=True)
     parser.add_argument("--generic", choices=("ict", "mien"), default="mien")
     parser.add_argument("--points", choices=("true", "found"), default="true")
+    parser.add_argument(
+        "--reference",
+        type=Path,
+        help="a scan with known points (.json beside) that found ones mean",
+    )
     parser.add_argument("--projection", choices=tuple(PROJECTIONS), default="normals")
     parser.add_argument("--ict", type=Path, help="the folder of the ICT face model")
     parser.add_argument("--no-trimesh", action="store_true", help="leave out the slow comparison")
@@ -68,17 +75,19 @@ def main() -> None:
     options = parser.parse_args()
     ict = options.generic == "ict"
     template = ict_template(options.ict or ict_folder()) if ict else mien_template()
+    finder = point_finder(options.reference) if options.points == "found" else None
 
     rows: list[dict[str, float]] = []
     for scan, truth_file in zip(options.scan, options.truth, strict=True):
         truth = dict(np.load(truth_file))
         beside = json.loads(scan.with_suffix(".json").read_text())
         mesh = read_ply(scan)
-        points = true_points(beside) if options.points == "true" else found_points(mesh, template)
+        points = finder.find(mesh) if finder else true_points(beside)
         parameterise(template, Surface(mesh), points, options.projection)
         begin = time.perf_counter()
         done = parameterise(template, Surface(mesh), points, options.projection)
         row = {"seconds": time.perf_counter() - begin}
+        row["point_mm"] = point_error(points, beside)
         row |= ict_figures(done, truth) if ict else mien_figures(done, template, truth, beside)
         if not options.no_trimesh:
             row["trimesh_seconds"] = trimesh_seconds(done, template, mesh)
@@ -125,11 +134,19 @@ def true_points(beside: dict[str, Any]) -> ScanPoints:
     return ScanPoints(tuple(seen), np.array([beside["fdp"][name] for name in seen]))
 
 
-def found_points(mesh: Mesh, template: Template) -> ScanPoints:
-    """The points as ``mien scan points`` finds them."""
-    from mien.scan.points import find_points
+def point_finder(reference: Path | None) -> PointFinder:
+    """Finds points as ``mien scan points`` does, with ``reference`` as its --like."""
+    if reference is None:
+        return PointFinder(detect_once())
+    known = true_points(json.loads(reference.with_suffix(".json").read_text()))
+    return PointFinder(detect_once(), Reference(read_ply(reference), known))
 
-    return find_points(mesh, template)
+
+def point_error(points: ScanPoints, beside: dict[str, Any]) -> float:
+    """Mean distance of the points from their true places."""
+    shared = [name for name in points.ids if name in beside["fdp"]]
+    true = np.array([beside["fdp"][name] for name in shared])
+    return float(np.linalg.norm(points.of(shared) - true, axis=1).mean())
 
 
 def ict_figures(done: Parameterised, truth: dict[str, Any]) -> dict[str, float]:

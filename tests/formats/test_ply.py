@@ -61,7 +61,7 @@ def test_every_dialect_reads_alike(tmp_path: Path, kind: str) -> None:
     assert mesh.vertices == pytest.approx(VERTICES)
     assert mesh.triangles.tolist() == [[0, 1, 2], [0, 2, 3]]
     assert mesh.colours == pytest.approx(COLOURS / 255.0)
-    assert mesh.unit == 10.0
+    assert mesh.unit == "cm"
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -79,7 +79,7 @@ def test_what_the_scanner_did_not_see_is_left_out(tmp_path: Path) -> None:
 
 
 def test_an_unknown_unit_is_not_guessed(tmp_path: Path) -> None:
-    assert read(tmp_path, ply(comment="comment made by hand")).unit is None
+    assert read(tmp_path, ply(comment="comment made by hand")).unit == ""
 
 
 @pytest.mark.parametrize(

@@ -15,10 +15,12 @@ from mien.cli import (
     calibrate,
     capture,
     character,
+    databank,
     demo,
     doctor,
     interruption,
     live,
+    scan,
     studio,
 )
 from mien.cli.command import Command
@@ -31,6 +33,8 @@ COMMANDS: dict[str, Command] = {
     "live": live,
     "studio": studio,
     "character": character,
+    "scan": scan,
+    "databank": databank,
     "demo": demo,
     "doctor": doctor,
 }

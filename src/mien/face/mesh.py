@@ -20,8 +20,8 @@ class Mesh:
     """(T, 3) three different vertices each, counter-clockwise seen from outside."""
     colours: Array | None = None
     """(V, 3) linear RGB, 0..1."""
-    unit: float | None = None
-    """Millimetres in a unit, where the file says."""
+    unit: str = ""
+    """Name of the unit of length, where the file says."""
 
     def compact(self, keep: NDArray[np.bool_]) -> Mesh:
         """The triangles where ``keep`` (T,), and no vertices but theirs."""

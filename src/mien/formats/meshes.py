@@ -14,8 +14,6 @@ from mien.face.face import Array
 from mien.face.mesh import Mesh
 
 MAX_BYTES = 1 << 30
-UNITS = {"mm": 1.0, "cm": 10.0, "dm": 100.0, "m": 1000.0, "inch": 25.4}
-"""Millimetres in each."""
 _FARTHEST = 1e7
 """Coordinates beyond are damage: single precision has no millimetres left there."""
 
@@ -43,7 +41,7 @@ def sound_mesh(
     vertices: Array,
     triangles: NDArray[np.int64],
     colours: Array | None,
-    unit: float | None,
+    unit: str = "",
 ) -> Mesh:
     """A Mesh of what was read. Triangles at vertices that are nowhere (scanners write NaN for what
     they did not see) and triangles with a corner twice are left out. Raises FormatError where

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from mien.errors import FormatError
 from mien.face.face import Array
 from mien.face.mesh import Mesh
-from mien.formats.meshes import MAX_BYTES, UNITS, linear_colours, sound_mesh, triangulated
+from mien.formats.meshes import MAX_BYTES, linear_colours, sound_mesh, triangulated
 
 _TYPES = {
     name: code
@@ -63,7 +63,7 @@ class _Header:
     order: str | None
     """ "<" or ">"; None for text."""
     elements: tuple[_Element, ...]
-    unit: float | None
+    unit: str
     size: int
     """Bytes of the header itself."""
 
@@ -71,7 +71,7 @@ class _Header:
 def read_ply(path: Path) -> Mesh:
     """Read a triangle mesh; polygons are cut into fans, triangles that are none left out.
 
-    The comment "units mm" (or cm, m, inch) is believed. Raises FormatError where the header is not
+    The comment "units mm" tells the unit. Raises FormatError where the header is not
     one, where it promises more than is there, where faces name vertices that do not exist, and
     where there is no face at all.
     """
@@ -98,7 +98,7 @@ def _header(path: Path, data: bytes) -> _Header:
     if newline < 0:
         raise FormatError(f"{path}: the file ends with its header; export it again")
     order: str | None = ""
-    unit: float | None = None
+    unit = ""
     elements: list[tuple[str, int, list[_Property]]] = []
     for line in data[:end].decode("ascii", "replace").splitlines()[1:]:
         match line.split():
@@ -108,7 +108,7 @@ def _header(path: Path, data: bytes) -> _Header:
                     raise FormatError(f"{path}: PLY of unknown format '{kind[:40]}'")
                 order = orders[kind]
             case ["comment", "units", name]:
-                unit = UNITS.get(name)
+                unit = name[:20]
             case ["element", name, count] if count.isascii() and count.isdigit():
                 elements.append((name, int(count), []))
             case ["property", "list", length, item, name] if (

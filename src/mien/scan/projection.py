@@ -83,14 +83,13 @@ class Aim:
     """(N, 3) mm each is off at the start."""
 
 
-Projection = Callable[[Array, Template, Surface, Aim], Projected]
+Projection = Callable[[Array, Template, Surface, Aim, Settings], Projected]
 
 
 def along_normals(
-    start: Array, template: Template, surface: Surface, aim: Aim, settings: Settings | None = None
+    start: Array, template: Template, surface: Surface, aim: Aim, settings: Settings
 ) -> Projected:
     """Bring the refined vertices ``start`` (W, 3) onto ``surface``."""
-    settings = settings or Settings()
     refine, back = template.refinement, template.refinement.T.tocsr()
     bend = bending(start[: len(template.vertices)], template.triangles)
     pull = (settings.pull * aim.matrix.T @ aim.matrix).tocsr()
@@ -191,9 +190,12 @@ _AXIS_BEHIND = 70.0
 _CYLINDER_REACH = 8.0
 
 
-def around_cylinder(start: Array, template: Template, surface: Surface, aim: Aim) -> Projected:
+def around_cylinder(
+    start: Array, template: Template, surface: Surface, aim: Aim, settings: Settings
+) -> Projected:
     """[Z] §2: each vertex goes to the scan on its way to or from the axis; what finds none within
-    8 mm stays. ``start`` must stand upright (+y up). ``aim`` has no part in it."""
+    8 mm stays. ``start`` must stand upright (+y up). ``aim`` and ``settings`` have no part in
+    it."""
     axis = start[:, 2].max() - _AXIS_BEHIND
     radial = (start - [np.median(start[:, 0]), 0.0, axis]) * [1.0, 0.0, 1.0]
     radial /= np.maximum(np.linalg.norm(radial, axis=1, keepdims=True), 1e-9)
