@@ -63,9 +63,6 @@ def test_every_key_model_is_taken_for_a_face(character, look, yaw):
 
 @pytest.mark.parametrize("yaw", YAWS, ids=["front", "25 degrees"])
 def test_a_smile_widens_the_mouth(character, look, yaw):
-    if character.name == "monkey":
-        pytest.skip("its broad mouth has no red: the networks lose its corners in a smile")
-
     def width(points: Array) -> float:
         return float(np.linalg.norm(points[291] - points[61]))
 

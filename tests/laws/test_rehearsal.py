@@ -14,7 +14,7 @@ from mien.view.camera import Camera
 pytest.importorskip("mediapipe", reason="needs the extra 'landmarks'")
 
 
-@pytest.mark.parametrize("name", ["man", "woman"])
+@pytest.mark.parametrize("name", ["man", "woman", "monkey"])
 def test_the_acted_key_model_has_the_largest_weight(name):
     character = mien.load_character(name)
     acted = rehearse(character, tempo=Tempo(rate=15.0))

@@ -17,3 +17,25 @@ def ball_eyes(iris: Iris) -> Callable[[EyeShape, int], Sequence[Solid]]:
 def pair(left: Solid) -> tuple[Solid, Solid]:
     """A left part and its mirror image."""
     return left, left.mirrored()
+
+
+TOLD_APART = {
+    "surprise": {
+        "jaw": 16.0,
+        "narrow": 0.22,
+        "pucker": 2.2,
+        "upper_lip": (0, 2.0, 0),
+        "upper_thick": 1.0,
+        "lower_thick": 1.0,
+        "brow_inner": (0, 13.0, 0),
+        "brow_middle": (0, 13.0, 0),
+        "brow_outer": (0, 9.5, 0),
+    },
+    "fear": {
+        "brow_inner": (-3.0, 11.0, 1.5),
+        "brow_middle": (-1.0, 5.0, 0),
+        "brow_outer": (0, -1.0, 0),
+    },
+}
+"""Surprise and fear as our people do them: landmark networks, which see opened lips as thin and
+brows as straight, must not take them for a pucker with a dropped jaw and for raised brows."""

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from mien.sculpt.brush import bump
 from mien.sculpt.bust import bust
-from mien.sculpt.cast.human import ball_eyes, pair
+from mien.sculpt.cast.human import TOLD_APART, ball_eyes, pair
 from mien.sculpt.colour import paint_skin
 from mien.sculpt.ears import EarShape, ear
 from mien.sculpt.expressions import EXAMPLES
@@ -136,8 +136,8 @@ def _dress(neutral: Head) -> Sequence[Solid]:
 
 
 _KEYS = repertoire(
+    **TOLD_APART,
     smile={"corner": (8.5, 8.0, -4.5), "cheek": (2.0, 4.0, 4.0)},
-    surprise={"narrow": 0.36, "pucker": 4.5, "corner": (0, 0.6, 0)},
     anger={"brow_inner": (-5.0, -9.5, 3.0), "lid_tilt": -3.0},
 )
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from mien.sculpt.brush import bump, ramp
 from mien.sculpt.bust import bust
-from mien.sculpt.cast.human import ball_eyes, pair
+from mien.sculpt.cast.human import TOLD_APART, ball_eyes, pair
 from mien.sculpt.colour import (
     linear,
     mix,
@@ -75,19 +75,19 @@ _PROPORTIONS = Proportions(
         offset=2.5,
     ),
     MouthShape(
-        half_width=36,
+        half_width=27,
         height=-37,
         depth=84,
         corner_depth=60,
-        upper=4.2,
-        lower=5.0,
-        fullness=2.0,
-        bend=7.0,
+        upper=4.8,
+        lower=6.2,
+        fullness=2.4,
+        bend=5.0,
         tooth_scale=1.28,
         tooth_back=14.5,
     ),
     HairLine(brow_up=5.5, brow_width=2.9, brow_height=1.8, brow_between=0.45, lash=1.3),
-    Temper(brows=1.15, corners_aside=0.6, lip_thickness=2.2),
+    Temper(brows=1.15, lip_thickness=1.5),
 )
 
 
@@ -95,7 +95,7 @@ def _bare(head: Head) -> Array:
     """1 on the hairless face: two rounds about the eyes and one about the mouth."""
     skin, eye, mouth = head.skin, head.proportions.eye, head.proportions.mouth
     aside = np.abs(skin[:, 0])
-    eyes = np.hypot((aside - eye.aside - 2) / 34, (skin[:, 1] - eye.height - 3) / 35)
+    eyes = np.hypot((aside - eye.aside - 2) / 34, (skin[:, 1] - eye.height - 8) / 41)
     muzzle = np.hypot(aside / 54, (skin[:, 1] - mouth.height) / 42)
     rim = np.where(skin[:, 2] < -2, 2.0, np.minimum(eyes, muzzle))
     amount = np.clip((1.12 - rim) / 0.34, 0, 1)
@@ -110,7 +110,7 @@ def _paint(head: Head) -> Array:
     cheek = bump(skin, (eye.aside + 8, eye.height - 34, 50), (18, 12, 40))
     colours = mix(colours, (0.80, 0.42, 0.34), 0.30 * cheek * bare)
     colours = mix(colours, (0.62, 0.36, 0.27), 0.55 * labels().eye_area * bare)
-    colours = paint_lips(colours, (0.66, 0.36, 0.30), 0.75)
+    colours = paint_lips(colours, (0.56, 0.27, 0.22))
     colours = paint_mouth(colours, head)
     colours = paint_lid_edges(colours, (0.45, 0.22, 0.18))
     return paint_nostrils(colours, head, (4.5, 3.0, 8.0), (0.20, 0.09, 0.07), 0.9)
@@ -171,15 +171,21 @@ def _dress(neutral: Head) -> Sequence[Solid]:
     )
 
 
-# The muzzle stretches over the teeth: lips that go back would let them through.
+# The muzzle stretches over the teeth: lips that go back would let them through. What networks
+# trained on people take for a person's opened mouth is narrow and has thin lips.
 _KEYS = repertoire(
-    smile={"upper_lip": (0, 0.7, 0.6), "lower_lip": (0, 0.65, 1.0)},
-    sad={"corner": (-1.0, -9.5, -1.0)},
+    smile={
+        "upper_lip": (0, 0.7, 0.6),
+        "lower_lip": (0, 0.65, 1.0),
+        "upper_thick": 0.85,
+        "lower_thick": 0.85,
+    },
+    sad={"corner": (-1.0, -9.5, -1.0), "upper_thick": 1.05, "lower_thick": 1.05},
     pressed={
-        "upper_lip": (0, -0.2, -0.2),
-        "lower_lip": (0, 0.1, 0.2),
-        "upper_thick": 0.75,
-        "lower_thick": 0.75,
+        "upper_lip": (0, -0.1, -0.2),
+        "lower_lip": (0, 0, 0.2),
+        "upper_thick": 0.62,
+        "lower_thick": 0.62,
     },
     lips_in={
         "upper_lip": (0, -0.4, 0),
@@ -194,10 +200,22 @@ _KEYS = repertoire(
         "lower_thick": 0.78,
     },
     disgust={"upper_lip": (0, 4.8, 2.0), "jaw": 3.0},
-    surprise={"narrow": 0.26, "pucker": 6.0},
-    fear={"upper_lip": (0, 2.2, 0), "lower_lip": (0, -1.8, 0)},
+    surprise={
+        **TOLD_APART["surprise"],
+        "narrow": 0.36,
+        "pucker": 4.0,
+        "upper_lip": (0, 3.0, 0),
+        "upper_thick": 0.9,
+        "lower_thick": 0.9,
+    },
+    fear={**TOLD_APART["fear"], "upper_lip": (0, 2.2, 0), "lower_lip": (0, -1.8, 0)},
     pucker={"pucker": 9.0},
-    jaw_open={"jaw": 22},
+    jaw_open={
+        "narrow": 0.2,
+        "upper_lip": (0, 2.5, 0),
+        "upper_thick": 0.9,
+        "lower_thick": 0.9,
+    },
 )
 
 MONKEY = Sculpture(

@@ -8,7 +8,7 @@ import numpy as np
 
 from mien.sculpt.brush import ramp
 from mien.sculpt.bust import bust
-from mien.sculpt.cast.human import ball_eyes, pair
+from mien.sculpt.cast.human import TOLD_APART, ball_eyes, pair
 from mien.sculpt.colour import mix, paint_skin
 from mien.sculpt.ears import EarShape, ear
 from mien.sculpt.expressions import EXAMPLES
@@ -150,8 +150,8 @@ def _dress(neutral: Head) -> Sequence[Solid]:
 
 
 _KEYS = repertoire(
+    **TOLD_APART,
     smile={"corner": (10.5, 10.0, -5.0)},
-    surprise={"narrow": 0.2, "pucker": 2.5, "brow_middle": (0, 11.0, 0)},
     sad={"brow_inner": (-3.0, 9.5, 1.0), "lid_tilt": 3.0},
     disgust={"nose": 6.0},
 )
