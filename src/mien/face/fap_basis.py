@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 
 from mien.errors import InputError
 from mien.face import fap_parts
-from mien.face.face import Array, Face
+from mien.face.face import Array, Face, Part
 from mien.face.fap_lids import lids
 from mien.face.fap_lips import OUTER_LIPS, hang_lining
-from mien.face.fap_skin import CHIN, Skin, skin
+from mien.face.fap_skin import CHIN, Skin, skin, skin_of
 from mien.face.influence import LIPS, Mask, rows, sewn_up
 from mien.vocabulary.fap import PER_UNIT, column, faps, simple
 from mien.vocabulary.fapu import Fapu, measure
@@ -47,7 +47,8 @@ class FapBasis:
 
 
 def fap_basis(face: Face) -> FapBasis:
-    """Work out the basis of ``face``: a second. Raises InputError where it lacks points."""
+    """Work out the basis of ``face``: a second. Raises InputError where it lacks points
+    or is in pieces."""
     missing = [fdp for fdp in NEEDED if fdp not in face.points.ids]
     if missing:
         raise InputError(
@@ -56,8 +57,9 @@ def fap_basis(face: Face) -> FapBasis:
         )
     face, stands_for = sewn_up(face)
     fapu = measure(face.points.ids, face.points.at(face.vertices))
-    held, eyes = _lids(face)
-    body = skin(face, held)
+    part = skin_of(face)
+    held, eyes = _lids(face, part)
+    body = skin(face, part, held)
     fields = np.zeros((len(simple()), *face.vertices.shape))
     for (fdp, axis), influence in body.maps.items():
         for number in _along(fdp, axis):
@@ -103,12 +105,12 @@ def _along(fdp: str, axis: int) -> list[int]:
     return [fap.number for fap in simple() if fap.point == fdp and fap.axis == axis]
 
 
-def _lids(face: Face) -> tuple[Mask, dict[int, tuple[Array, Array]]]:
+def _lids(face: Face, part: Part) -> tuple[Mask, dict[int, tuple[Array, Array]]]:
     """(V,) skin that only the lids move, and motion and slide (V, 3) of each lid's FAP."""
     held = np.zeros(len(face.vertices), dtype=bool)
     found = {}
     for side, (upper_fap, lower_fap) in enumerate(((19, 21), (20, 22))):
-        both = lids(face, side)
+        both = lids(face, part, side)
         if both is None:
             continue
         held |= both.area

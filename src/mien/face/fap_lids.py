@@ -13,8 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mien.face.face import Array, Face
-from mien.face.influence import LIDS, Index, Mask, opening, part_at, rows
+from mien.face.face import Array, Face, Part
+from mien.face.influence import LIDS, Index, Mask, opening, rows
 
 _SHARE_ENDS = 2.2
 """Heights of the fold above the margin at which skin no longer follows a lid."""
@@ -46,14 +46,14 @@ class Lids:
     """(V,) skin from fold to fold: lid, which rides on the eyeball and not on brow or cheek."""
 
 
-def lids(face: Face, side: int) -> Lids | None:
-    """The lids of the left (0) or right eye; None where the face has no such points."""
+def lids(face: Face, skin: Part, side: int) -> Lids | None:
+    """The lids of the left (0) or right eye, on ``skin``; None where points are missing."""
     _, top, inner, bottom = LIDS[side]
     if any(fdp not in face.points.ids for fdp in LIDS[side]):
         return None
     ball = face.pivots["eye_right" if side else "eye_left"]
     depth = min(float(np.linalg.norm(face.point(fdp) - ball)) for fdp in LIDS[side]) - _DEEPEST
-    hole = opening(face, LIDS[side], ball, depth)
+    hole = opening(face, skin, LIDS[side], ball, depth)
     turn = int(np.argmin(np.linalg.norm(face.vertices[hole.rim] - face.point(inner), axis=1)))
     above = _line(face, hole.rim[: turn + 1])
     below = _line(face, np.append(hole.rim[turn:], hole.rim[0]))
@@ -64,7 +64,7 @@ def lids(face: Face, side: int) -> Lids | None:
     middle = float(face.point(top)[1] - face.point(bottom)[1])
     full = np.clip(gap / middle, 0.0, 1.0)
     reach = gap + 4.0 * _PAST * full * (1.0 - full)
-    on_skin = rows(face, part_at(face, int(hole.rim[0]))) & (face.vertices[:, 2] > ball[2])
+    on_skin = rows(face, skin) & (face.vertices[:, 2] > ball[2])
     height = face.vertices[:, 1]
     high = on_skin & (height > (upper + lower) / 2.0)
     low = on_skin & ~high
@@ -85,7 +85,8 @@ def _lid(face: Face, ball: Array, point: str, rise: Array) -> Lid:
     motion[:, 1] = rise
     motion[:, 2] = _forward(face.vertices - ball, rise)
     off = face.points.at(motion)[face.points.index([point])[0]]
-    motion[:, 2] -= off[2] / off[1] * rise
+    if off[1]:
+        motion[:, 2] -= off[2] / off[1] * rise
     slide[:, 2] = _forward(face.vertices - ball, rise / 2.0) - motion[:, 2] / 2.0
     return Lid(motion, slide)
 

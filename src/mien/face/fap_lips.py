@@ -14,7 +14,7 @@ import numpy as np
 from scipy import sparse
 from scipy.spatial import cKDTree
 
-from mien.face.face import Array, Face
+from mien.face.face import Array, Face, Part
 from mien.face.influence import LIPS, Index, Mask, along_the_skin, opening
 
 OUTER_LIPS = ("8.3", "8.5", "8.1", "8.6", "8.4", "8.8", "8.2", "8.7")
@@ -73,9 +73,10 @@ class Mouth:
         return len(rows), len(self.lower)
 
 
-def mouth(face: Face) -> Mouth:
-    """The mouth of ``face``. Raises KeyError for a missing point."""
-    hole, contour = opening(face, LIPS), opening(face, OUTER_LIPS)
+def mouth(face: Face, skin: Part) -> Mouth:
+    """The mouth in the ``skin`` of ``face``. Raises KeyError for a missing point, InputError where
+    the skin is in pieces there."""
+    hole, contour = opening(face, skin, LIPS), opening(face, skin, OUTER_LIPS)
     turn = int(np.argmin(np.linalg.norm(face.vertices[hole.rim] - face.point(LIPS[4]), axis=1)))
     above, below = hole.rim[: turn + 1], np.append(hole.rim[turn:], hole.rim[0])
     to_above, to_below = along_the_skin(face, above), along_the_skin(face, below)

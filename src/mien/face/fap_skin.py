@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from mien.face.face import Array, Face
+from mien.face.face import Array, Face, Part
 from mien.face.fap_lips import PLACES, Mouth, mouth
 from mien.face.influence import Mask, Surface, part_at, rows
 from mien.vocabulary.fap import simple
@@ -46,12 +46,15 @@ class Skin:
     """(V,) the mouth's inside, over which no influence spreads."""
 
 
-def skin(face: Face, held: Mask) -> Skin:
-    """The skin of ``face``; ``held`` (V,) vertices move with nothing but the lids. Raises
-    KeyError for a missing point of chin or lips."""
-    owner = int(face.points.vertices[face.points.index([CHIN])[0], 0])
-    part = part_at(face, owner)
-    lips = mouth(face)
+def skin_of(face: Face) -> Part:
+    """The part on which the chin lies. Raises KeyError where that is not known."""
+    return part_at(face, int(face.points.vertices[face.points.index([CHIN])[0], 0]))
+
+
+def skin(face: Face, part: Part, held: Mask) -> Skin:
+    """The skin of ``face``, its ``part``; ``held`` (V,) vertices move with nothing but the lids.
+    Raises KeyError for a missing point of chin or lips, InputError where the lips are in pieces."""
+    lips = mouth(face, part)
     outside = part.triangles[~lips.inside[part.triangles].all(axis=1)]
     lining = lips.inside.copy()
     lining[outside] = False

@@ -100,20 +100,25 @@ class Opening:
 
 
 def opening(
-    face: Face, loop: Sequence[str], ball: Array | None = None, depth: float = 0.0
+    face: Face,
+    part: Part,
+    loop: Sequence[str],
+    ball: Array | None = None,
+    depth: float = 0.0,
 ) -> Opening:
-    """The hole whose edge runs through the points ``loop``, along the edges of the mesh.
+    """The hole in ``part`` whose edge runs through the points ``loop``, along the edges of the
+    mesh; a point that lies on lashes stands for the skin beside it.
 
     An eye's edge must not slip behind the lid: ``ball`` (3,) is then the eyeball's middle, and
     vertices nearer to it than ``depth`` mm are avoided. Raises KeyError for a missing point,
-    InputError where the points lie on surfaces apart.
+    InputError where the mesh is in pieces between two points.
     """
     edges, length = _edges(face)
     if ball is not None:
         deep = np.linalg.norm(face.vertices - ball, axis=1) < depth
         length = length * np.where(deep[edges].any(axis=1), _INSIDE, 1.0)
     graph = _graph(edges, len(face.vertices), length)
-    corners = [_nearest_vertex(face, fdp) for fdp in loop]
+    corners = [_nearest_vertex(face, part, fdp) for fdp in loop]
     rim = np.concatenate(
         [_path(graph, a, b)[:-1] for a, b in zip(corners, [*corners[1:], corners[0]], strict=True)]
     )
@@ -194,16 +199,20 @@ def _graph(edges: Ints, count: int, length: Array | None = None) -> sparse.csr_m
 def _path(graph: sparse.csr_matrix, start: int, end: int) -> Index:
     _, before = dijkstra(graph, directed=False, indices=start, return_predecessors=True)
     if start != end and before[end] < 0:
-        raise InputError("the points round an eye or the mouth do not lie on one surface")
+        raise InputError("an eye or the mouth is not surrounded by one surface")
     path = [end]
     while path[-1] != start:
         path.append(int(before[path[-1]]))
     return np.array(path[::-1], dtype=np.intp)
 
 
-def _nearest_vertex(face: Face, fdp: str) -> int:
+def _nearest_vertex(face: Face, part: Part, fdp: str) -> int:
     row = face.points.index([fdp])[0]
-    return int(face.points.vertices[row, np.argmax(face.points.weights[row])])
+    vertex = int(face.points.vertices[row, np.argmax(face.points.weights[row])])
+    if part.first <= vertex < part.last:
+        return vertex
+    used = np.unique(part.triangles)
+    return int(used[np.linalg.norm(face.vertices[used] - face.point(fdp), axis=1).argmin()])
 
 
 def _laplacian(vertices: Array, triangles: Index) -> tuple[sparse.csr_matrix, Array]:
