@@ -28,6 +28,7 @@ from mien.formats.marker_file import holds_markers, read_markers, read_roles
 from mien.formats.mien_file import read_performance, write_performance
 from mien.formats.mp4 import Sound, write_mp4
 from mien.formats.obj_read import read_obj
+from mien.formats.own_file import read_pairs
 from mien.formats.performer_file import read_performer, write_performer
 from mien.formats.rectangles import read_rectangles
 from mien.formats.sources import open_source
@@ -36,6 +37,8 @@ from mien.mapping import MAPPERS, Settings
 from mien.mapping.arkit import arkit_weights
 from mien.mapping.fap import fap_values
 from mien.mapping.looks import look
+from mien.mapping.own import own_examples
+from mien.mapping.ranges import measure_ranges
 from mien.mapping.reconstruct import reconstruct
 from mien.mapping.spoken import pass_through, understood
 from mien.mapping.surface import act_surface, told_points
@@ -218,11 +221,20 @@ def animate(
     *,
     mapping: str = "cardinal",
     gain: float = 1.0,
+    brows: float = 1.0,
+    eyes: float = 1.0,
+    mouth: float = 1.0,
+    head: float = 1.0,
+    own: str | Path | None = None,
+    own_range: bool = False,
     smooth: bool = True,
 ) -> Curves:
     """The curves with which ``character`` acts ``performance``.
 
-    ``gain`` exaggerates (1 leaves as it is); ``smooth`` False leaves the detector's tremble in.
+    ``gain`` exaggerates (1 leaves as it is), ``brows``, ``eyes``, ``mouth`` and ``head`` each a
+    part; ``own`` is a file of moments of this performance that stand for poses of the character
+    (``formats.own_file``); ``own_range`` makes the range shown in it the character's; ``smooth``
+    False leaves the detector's tremble in.
     Weights that came under a vocabulary the character speaks pass as they are.
     Raises InputError.
     """
@@ -231,7 +243,16 @@ def animate(
     if understood(performance, character):
         return pass_through(performance, character)
     performance = _moving(performance)
-    mapper = _choose(MAPPERS, mapping, "mapping")(character, performance, Settings(gain=gain))
+    settings = Settings(
+        gain=gain,
+        brows=brows,
+        eyes=eyes,
+        mouth=mouth,
+        head=head,
+        own=None if own is None else own_examples(performance, read_pairs(Path(own))),
+        ranges=measure_ranges(performance) if own_range else None,
+    )
+    mapper = _choose(MAPPERS, mapping, "mapping")(character, performance, settings)
     curves = look(mapper(performance), character.looks)
     return smooth_curves(curves) if smooth else curves
 

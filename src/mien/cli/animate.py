@@ -17,7 +17,7 @@ from mien.cli.capture import (
     take_name,
 )
 from mien.cli.cast import cast_of
-from mien.cli.command import positive, remark, tell
+from mien.cli.command import not_negative, positive, remark, tell
 from mien.cli.progress import progress
 from mien.cli.results import results, spare
 from mien.errors import InputError
@@ -75,6 +75,26 @@ def add_acting_options(parser: argparse.ArgumentParser, output: str | None) -> N
     )
     parser.add_argument(
         "--gain", type=positive, default=1.0, help="exaggerate (default: 1, as it was)"
+    )
+    for part in ("brows", "eyes", "mouth", "head"):
+        parser.add_argument(
+            f"--{part}",
+            type=not_negative,
+            default=1.0,
+            metavar="GAIN",
+            help=f"exaggerate the {part} alone (default: 1)",
+        )
+    parser.add_argument(
+        "--own",
+        type=Path,
+        metavar="FILE",
+        help="moments of the take that stand for poses of the character: [[example]] with "
+        "seconds = 3.2 and pose = { smile = 1.0 }",
+    )
+    parser.add_argument(
+        "--own-range",
+        action="store_true",
+        help="make the range the performer shows in the take the character's",
     )
     parser.add_argument(
         "--no-head", action="store_true", help="the head turns but does not leave its place"

@@ -85,6 +85,12 @@ def _points(options: argparse.Namespace, character: Character, bank: Databank | 
             character,
             mapping=mapping or "cardinal",
             gain=options.gain,
+            brows=options.brows,
+            eyes=options.eyes,
+            mouth=options.mouth,
+            head=options.head,
+            own=options.own,
+            own_range=options.own_range,
             smooth=smooth,
         )
         return character, _still(options, curves)
