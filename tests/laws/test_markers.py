@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -217,3 +219,51 @@ def test_noise_is_told_from_motion() -> None:
     assert noise_of(smooth) < 0.01
     assert noise_of(smooth + noise) == pytest.approx(0.3, rel=0.1)
     assert noise_of(smooth[:2]) == 0.0
+
+
+def _emptied(places: np.ndarray, random: np.random.Generator) -> None:
+    places[random.random(places.shape[:2]) < 0.5] = np.nan
+
+
+def _unworn(places: np.ndarray, random: np.random.Generator) -> None:
+    places[:, random.random(places.shape[1]) < 0.6] = np.nan
+
+
+def _dark(places: np.ndarray, random: np.random.Generator) -> None:
+    places[random.random(len(places)) < 0.7] = np.nan
+
+
+def _without_a_jig(places: np.ndarray, random: np.random.Generator) -> None:
+    places[:, -3:] = np.nan
+    places[random.random(places.shape[:2]) < 0.05] += 50.0
+
+
+def _anything(places: np.ndarray, random: np.random.Generator) -> None:
+    places[:] = random.choice([1.0, 100.0, 1e4]) * random.normal(size=places.shape)
+
+
+def _one_place(places: np.ndarray, random: np.random.Generator) -> None:
+    places[:] = places[:, :1]
+
+
+def _flat(places: np.ndarray, random: np.random.Generator) -> None:
+    places[..., 2] = 0.0
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("frames", [1, 2, 5, 40])
+@pytest.mark.parametrize(
+    "spoil", [_emptied, _unworn, _dark, _without_a_jig, _anything, _one_place, _flat]
+)
+def test_hostile_takes_are_told_or_become_numbers(
+    spoil: Callable[[np.ndarray, np.random.Generator], None], frames: int
+) -> None:
+    take, *_ = act(60)
+    for seed in range(3):
+        places = take.places[:frames].copy()
+        spoil(places, np.random.default_rng(seed))
+        spoilt = replace(take, time=take.time[:frames], places=places)
+        with suppress(InputError):
+            performance, _ = perform(spoilt, FACE, MarkerSettings(nose_tip=seed == 1))
+            for values in (performance.motion, performance.rotation, performance.translation):
+                assert np.isfinite(values).all()

@@ -76,12 +76,18 @@ def find_head_motion(
 
 def by_nose_tip(places: Array, jig: NDArray[np.bool_], nose: int) -> HeadMotion:
     """[Z] §3: rotation from the jig alone, translation from marker ``nose``, against the first
-    frame. Frames in which either is hidden repeat the one before."""
-    first = places[0]
+    frame that shows them. Frames in which one is hidden repeat the one before. Raises ValueError
+    where no frame shows them all."""
+    needed = jig.copy()
+    needed[nose] = True
+    known = np.asarray(np.isfinite(places[:, needed]).all(axis=(1, 2)))
+    if not known.any():
+        raise ValueError("no frame shows the jig and the nose tip")
+    first = places[int(np.argmax(known))]
     turn = _fit(places, first, jig.astype(float)).rotation
     shift = places[:, nose] - turn @ first[nose]
-    known = np.isfinite(shift).all(axis=1)
-    return HeadMotion(turn, shift[_last(known)])
+    last = _last(known)
+    return HeadMotion(turn[last], shift[last])
 
 
 def _trust(spread: Array, jig: NDArray[np.bool_]) -> Array:

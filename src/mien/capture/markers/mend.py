@@ -43,7 +43,8 @@ class Event:
 
     kind: str
     """"swap" (of two markers), "jump" or "stray" (a marker was somewhere else), "ghost" (nobody's
-    point), "found" (a nameless point was a missing marker), "gap" (filled)."""
+    point), "found" (a nameless point was a missing marker), "gap" (filled) or "absent" (never
+    seen)."""
     labels: tuple[str, ...]
     first: int
     last: int

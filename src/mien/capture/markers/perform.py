@@ -8,7 +8,7 @@ face is laid on the markers at rest, and its eyes give the origin and the axes.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -75,6 +75,7 @@ def perform(
     face of its size.
     """
     settings = settings or MarkerSettings()
+    take, absent = _shown(take)
     roles = name_roles(take.labels, settings.roles)
     motion = _head_motion(take, roles, settings.nose_tip)
     skin, roles = ~roles.jig, roles.only(~roles.jig)
@@ -117,10 +118,24 @@ def perform(
     ]
     return performance, Mended(
         points=dict(zip(told.fdp, told.labels, strict=True)),
-        events=tuple(sorted((*events, *gaps), key=lambda event: event.first)),
+        events=tuple(sorted((*absent, *events, *gaps), key=lambda event: event.first)),
         noise=noise,
         rest=(float(take.time[rest.start]), float(take.time[rest.stop - 1])),
     )
+
+
+def _shown(take: MarkerTake) -> tuple[MarkerTake, list[Event]]:
+    """The take without markers that are never seen, and which those are."""
+    shown = take.seen.any(axis=0)
+    if not shown.any():
+        raise InputError(f"{take.source}: no marker was seen in any frame")
+    absent = [
+        Event("absent", (take.labels[i],), 0, len(take) - 1)
+        for i in np.flatnonzero(~shown).tolist()
+        if not take.labels[i].startswith("*")
+    ]
+    labels = tuple(take.labels[i] for i in np.flatnonzero(shown).tolist())
+    return replace(take, labels=labels, places=take.places[:, shown]), absent
 
 
 def _head_motion(take: MarkerTake, roles: Roles, nose_tip: bool) -> HeadMotion:
@@ -133,7 +148,10 @@ def _head_motion(take: MarkerTake, roles: Roles, nose_tip: bool) -> HeadMotion:
     tip = [i for i, fdp in enumerate(roles.only(worn).fdp) if fdp == "9.3"]
     if jig.sum() < 3 or not tip:
         raise InputError(f"{take.source}: --nose-tip needs three jig markers and the nose tip")
-    return by_nose_tip(places, jig, tip[0])
+    try:
+        return by_nose_tip(places, jig, tip[0])
+    except ValueError as error:
+        raise InputError(f"{take.source}: --nose-tip: {error}") from error
 
 
 def _rest(take: MarkerTake, places: Array, settings: MarkerSettings) -> slice:
