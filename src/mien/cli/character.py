@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mien.cli import imported, make
+from mien.cli import imported, make, suggest, wires
 from mien.cli.command import tell
 from mien.cli.results import results
 from mien.errors import InputError
@@ -22,14 +22,17 @@ _OUTPUT = Path("out/characters")
 def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "action",
-        choices=("list", "show", "export", "import", "check", "make"),
+        choices=("list", "show", "export", "import", "check", "make", "wires", "suggest"),
         help="list: what characters there are, and with a NAME what it can do; "
         "show: a sheet with all of it; "
         "export: a GLB with its key models as morph targets; "
         "import: a character file from a GLB, VRM or folder of OBJ files; "
         "check: what is in such a file, what its shapes do and what looks wrong (-o X.png draws "
         "it); "
-        "make: key models for a face that has none",
+        "make: key models for a face that has none; "
+        "wires: the control points of its key models, in a file to edit (and --wires FILE to take "
+        "it back); "
+        "suggest: the key model it lacks most for --takes",
     )
     parser.add_argument(
         "names", nargs="*", metavar="NAME", help="characters or character files (default: built-in)"
@@ -58,6 +61,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--map", type=Path, metavar="FILE", help="what shapes mean, where measuring them fails"
     )
 
+    parser.add_argument("--wires", type=Path, metavar="FILE", help="edited control points")
+    parser.add_argument(
+        "--takes", nargs="+", metavar="TAKE", help="recordings or .mien files to judge by"
+    )
+
 
 def run(options: argparse.Namespace) -> None:
     output = None if options.output == _OUTPUT else options.output
@@ -71,6 +79,10 @@ def run(options: argparse.Namespace) -> None:
         _write(options, ".png", _sheet)
     elif options.action == "make":
         make.make_character(options)
+    elif options.action == "wires":
+        wires.wire_character(options)
+    elif options.action == "suggest":
+        suggest.suggest_keys(options)
     else:
         _write(options, ".glb", _model)
 
