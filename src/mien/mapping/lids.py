@@ -75,6 +75,9 @@ def find_lids(character: Character, pieces: Pieces) -> Lids | None:
     shuts = -(effect * blink).sum(axis=1)
     if not ((shuts > 0).all() and (opening > 0).all()):
         return None
+    if character.whole:
+        # In anybody's file a blink at 1 is a shut eye; margins that cross would stop it short.
+        effect = np.where(blink, -opening[:, None], effect)
     about = (pieces.region == REGIONS.index("eyes")) & ~is_blink
     own = about & (pieces.side == np.array([[0], [1]]))
     least = _TOUCH * opening[:, None]
