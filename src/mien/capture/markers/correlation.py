@@ -10,7 +10,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cho_factor, cho_solve
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -18,7 +17,7 @@ Mask = NDArray[np.bool_]
 _ENOUGH = 2000
 """Frames to learn from; of longer takes so many are taken, evenly."""
 _ROUNDS = 12
-_SETTLED = 1e-3
+_SETTLED = 0.01
 """mm, change of the guesses at which learning ends."""
 
 
@@ -28,8 +27,9 @@ class Correlation:
 
     mean: Array
     """(M, 3) mm."""
-    covariance: Array
-    """(3 M, 3 M) mm², noise included."""
+    precision: Array
+    """(3 M, 3 M) the inverse of the covariance, noise included: what is hidden follows from the
+    block of the few that are, and not from the many that are known."""
 
     def predict(self, places: Array, known: Mask) -> tuple[Array, Array]:
         """The likeliest places (F, M, 3) of all markers given the ``known`` (F, M) of ``places``
@@ -38,15 +38,10 @@ class Correlation:
         guess = np.where(known[..., None], places, 0.0)
         error = np.zeros(known.shape)
         for pattern, frames in _patterns(known):
-            if pattern.all():
-                continue
-            _, gain, variance = self._given(pattern)
-            moved = (places[frames] - self.mean)[:, pattern].reshape(len(frames), -1)
-            hidden = (moved @ gain).reshape(len(frames), -1, 3) + self.mean[~pattern]
-            guess[np.ix_(frames, np.flatnonzero(~pattern))] = hidden
-            error[np.ix_(frames, np.flatnonzero(~pattern))] = np.sqrt(
-                np.diag(variance).reshape(-1, 3).mean(axis=1)
-            )
+            if not pattern.all():
+                hidden = np.ix_(frames, np.flatnonzero(~pattern))
+                guess[hidden], covariance = self._hidden(places[frames], pattern)
+                error[hidden] = np.sqrt(np.diag(covariance).reshape(-1, 3).mean(axis=1))
         return guess, error
 
     def surprise(self, places: Array, known: Mask) -> Array:
@@ -58,66 +53,70 @@ class Correlation:
             there = np.repeat(pattern, 3)
             if not there.any():
                 continue
-            # What all others tell of one follows from the inverse covariance, block by block.
-            precision = np.linalg.inv(self.covariance[np.ix_(there, there)])
+            across = self.precision[np.ix_(there, ~there)]
+            within = self.precision[np.ix_(~there, ~there)]
+            # What all others tell of one follows from the precision of those known, by blocks.
+            precision = self.precision[np.ix_(there, there)]
+            precision = precision - across @ np.linalg.solve(within, across.T)
             moved = (places[frames] - self.mean)[:, pattern].reshape(len(frames), -1)
             pulled = (moved @ precision).reshape(len(frames), -1, 3)
-            blocks = precision.reshape(len(pulled[0]), 3, len(pulled[0]), 3)
-            own = np.einsum("mxmy->mxy", blocks)
-            told = np.linalg.solve(own[None], pulled[..., None])[..., 0]
+            own = np.einsum("mxmy->mxy", precision.reshape(2 * (pulled.shape[1], 3)))
+            told = np.einsum("mxy,fmy->fmx", np.linalg.inv(own), pulled)
             apart[np.ix_(frames, np.flatnonzero(pattern))] = told
         return np.asarray(np.linalg.norm(apart, axis=-1))
 
-    def _given(self, pattern: Mask) -> tuple[Mask, Array, Array]:
-        """Which coordinates are known, the gain (known, hidden) and the covariance of the hidden
-        ones, under a ``pattern`` (M,) of known markers."""
+    def _hidden(self, places: Array, pattern: Mask) -> tuple[Array, Array]:
+        """Likeliest places (F, H, 3) and covariance (3 H, 3 H) of the H markers that a ``pattern``
+        (M,) of known ones hides."""
         there = np.repeat(pattern, 3)
-        across = self.covariance[np.ix_(there, ~there)]
-        if not there.any():
-            return there, across, self.covariance
-        factor = cho_factor(self.covariance[np.ix_(there, there)])
-        gain = cho_solve(factor, across)
-        return there, gain, self.covariance[np.ix_(~there, ~there)] - across.T @ gain
+        covariance: Array = np.linalg.inv(self.precision[np.ix_(~there, ~there)]).astype(float)
+        moved = (places - self.mean)[:, pattern].reshape(len(places), -1)
+        pulled = moved @ self.precision[np.ix_(there, ~there)] @ covariance
+        return self.mean[~pattern] - pulled.reshape(len(places), -1, 3), covariance
 
 
 def learn(places: Array, known: Mask, noise: float) -> Correlation:
     """The correlation of markers at ``places`` (F, M, 3) where ``known`` (F, M), by expectation
     and maximisation over what is missing; ``noise`` is the standard error of a coordinate, mm.
 
-    A marker that is never known stays with the middle of the others. Raises ValueError where
-    nothing is known at all.
+    Every marker must be known somewhere, or stays with the middle of the others. Raises ValueError
+    where nothing is known at all.
     """
     chosen = np.unique(np.linspace(0, len(places) - 1, _ENOUGH).astype(int))
     places, known = places[chosen], known[chosen]
     if not known.any():
         raise ValueError("no marker was seen")
-    count = places.shape[1]
-    held = np.where(known[..., None], places, np.nan)
-    with np.errstate(invalid="ignore"):
-        sums = np.where(known[..., None], places, 0.0).sum(axis=0)
+    held = np.where(known[..., None], places, 0.0)
     times = known.sum(axis=0)[:, None]
-    mean = np.where(times > 0, sums / np.maximum(times, 1), np.nanmean(held))
-    moved = np.where(known[..., None], places - mean, 0.0).reshape(len(places), -1)
-    model = Correlation(mean, _firm(moved.T @ moved / len(places), noise))
-    before = places
+    middle = held.sum(axis=(0, 1)) / known.sum()
+    mean = np.where(times > 0, held.sum(axis=0) / np.maximum(times, 1), middle)
+    guess = np.where(known[..., None], places, mean)
+    extra = np.zeros((mean.size, mean.size))
     for _ in range(_ROUNDS):
-        guess, _ = model.predict(places, known)
-        extra = np.zeros((3 * count, 3 * count))
-        for pattern, frames in _patterns(known):
-            if not pattern.all():
-                there, _, variance = model._given(pattern)
-                extra[np.ix_(~there, ~there)] += len(frames) * variance
+        before = guess
         mean = guess.mean(axis=0)
         moved = (guess - mean).reshape(len(guess), -1)
-        model = Correlation(mean, _firm((moved.T @ moved + extra) / len(guess), noise))
-        if np.abs(guess - before)[~known].max(initial=0.0) < _SETTLED:
+        covariance = (moved.T @ moved + extra) / len(guess)
+        covariance = covariance + max(noise, 0.01) ** 2 * np.eye(len(covariance))
+        model = Correlation(mean, np.linalg.inv(covariance))
+        guess, extra = _expect(model, places, known)
+        if np.abs(guess - before).max() < _SETTLED:
             break
-        before = guess
     return model
 
 
-def _firm(covariance: Array, noise: float) -> Array:
-    return covariance + max(noise, 0.01) ** 2 * np.eye(len(covariance))
+def _expect(model: Correlation, places: Array, known: Mask) -> tuple[Array, Array]:
+    """``places`` with the hidden ones as ``model`` has them, and the sum over frames of the
+    covariance that is left of them (3 M, 3 M)."""
+    guess = np.where(known[..., None], places, 0.0)
+    extra = np.zeros_like(model.precision)
+    for pattern, frames in _patterns(known):
+        if not pattern.all():
+            there = np.repeat(pattern, 3)
+            told, covariance = model._hidden(places[frames], pattern)
+            guess[np.ix_(frames, np.flatnonzero(~pattern))] = told
+            extra[np.ix_(~there, ~there)] += len(frames) * covariance
+    return guess, extra
 
 
 def _patterns(known: Mask) -> list[tuple[Mask, NDArray[np.intp]]]:
