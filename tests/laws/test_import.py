@@ -210,3 +210,12 @@ def test_nodes_are_named_where_they_cannot_be_found(tmp_path: Path) -> None:
         said.write_text(wrong)
         with pytest.raises(InputError):
             import_character(path, points=points, meanings=said)
+
+
+def test_a_shut_eye_is_the_whole_blink(imported: Import, performance: Performance) -> None:
+    lids = {"lid_left": np.ones(len(SHAPES)), "lid_right": np.zeros(len(SHAPES))}
+    curves = mien.animate(replace(performance, scalars=lids), imported.character, smooth=False)
+    still = SHAPES.index("jawOpen")
+    weights = dict(zip(curves.names, curves.weights[still], strict=True))
+    assert weights["eyeBlinkLeft"] == pytest.approx(1.0, abs=0.05)
+    assert weights["eyeBlinkRight"] < 0.05

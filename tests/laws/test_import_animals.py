@@ -82,5 +82,5 @@ def test_faces_that_are_human_enough_are_found_by_looking(
     )
     assert "eft" in left.name or left.name.endswith("_L")
     assert "ight" in right.name or right.name.endswith("_R")
-    assert left.shuts[0] == pytest.approx(1.0, abs=0.25)
+    assert 0.75 < left.shuts[0] < 1.5
     assert len(found.character.examples) >= shapes - 1

@@ -17,8 +17,10 @@ _REACH = 0.8
 """Widths of an eye within which the middle of its ball lies from the middle of its lids."""
 _SIZES = (0.3, 2.0)
 """Radius of an eyeball in widths of its eye."""
-_FRONT = 0.93
-"""Cosine of the angle from straight ahead within which an eyeball has vertices."""
+_EXTENTS = (1.2, 1.2, 0.8)
+"""Width, height and depth of what is modelled of an eyeball, at least, in its radii."""
+_WITHIN = 1.1
+"""Radii from its middle within which lies what belongs to an eyeball: corneas bulge."""
 _FEWEST = 12
 _LARGEST = 0.15
 """Radius of an eyeball, at most, in lengths of the whole."""
@@ -45,32 +47,60 @@ def components(vertices: Array, triangles: Ints) -> NDArray[np.intp]:
 
 
 def find_ball(vertices: Array, part: NDArray[np.intp], lids: Array) -> Ball | None:
-    """The eyeball behind ``lids`` (4, 3): outer and inner corner, upper and lower lid. All round
-    parts about the same middle belong to it (iris, cornea). None where there is none."""
+    """The eyeball behind ``lids`` (4, 3): outer and inner corner, upper and lower lid. What lies
+    within it belongs to it (iris, catch lights). None where there is none."""
     middle, width = lids.mean(axis=0), float(np.linalg.norm(lids[0] - lids[1]))
     near = np.linalg.norm(vertices - middle, axis=1) < 2.0 * width
-    found: list[tuple[int, Array, int]] = []
-    for number in np.unique(part[near]):
-        own = part == number
-        if own.sum() < _FEWEST:
-            continue
-        centre, radius, off = _sphere(vertices[own])
-        here = np.linalg.norm((centre - middle)[:2]) < _REACH * width
-        round_ = off < _ROUND * radius and _has_front(vertices[own], centre)
-        if here and round_ and _SIZES[0] < radius / width < _SIZES[1]:
-            found.append((int(own.sum()), centre, int(number)))
+    found = [
+        ball
+        for ball in _round_parts(vertices, part, np.unique(part[near]))
+        if np.linalg.norm((ball[1] - middle)[:2]) < _REACH * width
+        and _SIZES[0] < ball[2] / width < _SIZES[1]
+    ]
     if not found:
         return None
-    # A catch light or an iris is a part of a sphere too, but nobody models one so finely.
-    centre = max(found, key=lambda ball: ball[0])[1]
-    return Ball(np.isin(part, [number for _, _, number in found]), centre)
+    _, centre, radius = max(found, key=lambda ball: ball[2])
+    return _filled(vertices, part, centre, radius)
 
 
-def _has_front(places: Array, centre: Array) -> bool:
-    """Whether places (N, 3) on a sphere reach its front: lashes lie about a ball and do not."""
-    away = places - centre
-    ahead = away[:, 2] / np.maximum(np.linalg.norm(away, axis=1), 1e-12)
-    return bool(ahead.max() > _FRONT)
+def round_pair(vertices: Array, part: NDArray[np.intp]) -> list[Ball]:
+    """The two eyeballs of a head that is upright, by their being round and each other's mirror
+    image; empty where there are none."""
+    size = float(np.ptp(vertices, axis=0).max())
+    found = [
+        ball for ball in _round_parts(vertices, part, np.unique(part)) if ball[2] < _LARGEST * size
+    ]
+    for i, (_, centre, radius) in enumerate(found):
+        for _, other, same in found[i + 1 :]:
+            apart = np.abs(centre - other)
+            level = apart[1:].max() < 0.3 * radius and abs(radius - same) < 0.1 * radius
+            if level and apart[0] > 2.0 * radius:
+                return [_filled(vertices, part, c, radius) for c in (centre, other)]
+    return []
+
+
+def _round_parts(
+    vertices: Array, part: NDArray[np.intp], numbers: NDArray[np.intp]
+) -> list[tuple[int, Array, float]]:
+    """Number, centre and radius of those connected parts that are a ball, or the front of one.
+    Lashes lie on a sphere too, but not all over it."""
+    found = []
+    for number in numbers:
+        own = vertices[part == number]
+        if len(own) < _FEWEST:
+            continue
+        centre, radius, off = _sphere(own)
+        if off < _ROUND * radius and (np.ptp(own, axis=0) > np.array(_EXTENTS) * radius).all():
+            found.append((int(number), centre, radius))
+    return found
+
+
+def _filled(vertices: Array, part: NDArray[np.intp], centre: Array, radius: float) -> Ball:
+    """All connected parts that lie within a ball."""
+    away = np.linalg.norm(vertices - centre, axis=1)
+    farthest = np.zeros(int(part.max()) + 1)
+    np.maximum.at(farthest, part, away)
+    return Ball((farthest < _WITHIN * radius)[part], centre)
 
 
 def _sphere(places: Array) -> tuple[Array, float, float]:
@@ -82,33 +112,3 @@ def _sphere(places: Array) -> tuple[Array, float, float]:
     radius = float(np.sqrt(max(found[3] + found[:3] @ found[:3], 0.0)))
     off = np.linalg.norm(local - found[:3], axis=1) - radius
     return origin + found[:3], radius, float(np.sqrt((off**2).mean()))
-
-
-def round_pair(vertices: Array, part: NDArray[np.intp]) -> list[Ball]:
-    """The two eyeballs of a head that is upright, by their being round and each other's mirror
-    image; empty where there are none."""
-    size = float(np.ptp(vertices, axis=0).max())
-    found: list[tuple[int, Array, float]] = []
-    for number in np.unique(part):
-        own = part == number
-        if own.sum() < _FEWEST:
-            continue
-        centre, radius, off = _sphere(vertices[own])
-        round_ = off < _ROUND * radius and _has_front(vertices[own], centre)
-        if round_ and radius < _LARGEST * size:
-            found.append((int(number), centre, radius))
-    for i, (_, centre, radius) in enumerate(found):
-        for _, other, size_ in found[i + 1 :]:
-            apart = np.abs(centre - other)
-            level = apart[1:].max() < 0.3 * radius and abs(radius - size_) < 0.1 * radius
-            if level and apart[0] > 2.0 * radius:
-                return [_shells(part, found, middle, radius) for middle in (centre, other)]
-    return []
-
-
-def _shells(
-    part: NDArray[np.intp], found: list[tuple[int, Array, float]], middle: Array, radius: float
-) -> Ball:
-    """All round parts about ``middle``: white, iris, cornea."""
-    here = [n for n, centre, _ in found if np.linalg.norm(centre - middle) < 0.3 * radius]
-    return Ball(np.isin(part, here), middle)
