@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -21,8 +23,13 @@ def bernstein_slope(s: Array) -> Array:
 
 
 def curve(control: Array, samples: int) -> Array:
-    """(..., S, 2) places evenly spaced in the parameter on the curves of ``control`` (..., 4, 2)."""
-    return np.asarray(bernstein(np.linspace(0.0, 1.0, samples)) @ control)
+    """(..., S, 2) places evenly spaced in the parameter on curves of ``control`` (..., 4, 2)."""
+    return np.asarray(_even(samples) @ control)
+
+
+@cache
+def _even(samples: int) -> Array:
+    return bernstein(np.linspace(0.0, 1.0, samples))
 
 
 def fit(places: Array) -> Array:

@@ -75,7 +75,7 @@ def _placed(box: tuple[float, float, float]) -> Placement:
     left, top, width = box
     middle = np.array([left, top]) + width * _EYES_IN_BOX
     half = np.array([width * _EYES_APART_IN_BOX / 2.0, 0.0])
-    return Placement.at(middle - half, middle + half)
+    return Placement.at(np.stack([middle - half, middle + half]))
 
 
 def refine(image: Picture, guess: Placement) -> Placement:

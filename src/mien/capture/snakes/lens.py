@@ -8,6 +8,7 @@ right, those of the lower one. Units are patch units (see ``patch``), y down.
 from __future__ import annotations
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from mien.numeric import bezier
@@ -52,6 +53,21 @@ def height(lens: Array) -> Array:
     down /= np.maximum(np.linalg.norm(chord, axis=-1, keepdims=True), 1e-6)
     apart = lower_curve(lens) - upper_curve(lens)
     return np.asarray((apart * down[..., None, :]).sum(-1).max(-1))
+
+
+@njit(cache=True, nogil=True)
+def tallness(lens: Array) -> float:
+    """``height`` of one lens (6, 2), for the inside of a loop."""
+    x, y = lens[1, 0] - lens[0, 0], lens[1, 1] - lens[0, 1]
+    length = max(np.sqrt(x * x + y * y), 1e-6)
+    most = -np.inf
+    for k in range(21):
+        s = k / 20.0
+        near, far = 3.0 * (1.0 - s) ** 2 * s, 3.0 * (1.0 - s) * s**2
+        across = near * (lens[4, 0] - lens[2, 0]) + far * (lens[5, 0] - lens[3, 0])
+        down = near * (lens[4, 1] - lens[2, 1]) + far * (lens[5, 1] - lens[3, 1])
+        most = max(most, (down * x - across * y) / length)
+    return most
 
 
 def boxed(left: Array, right: Array, top: float, bottom: float) -> Array:

@@ -21,6 +21,8 @@ Picture = NDArray[np.uint8]
 
 WIDTH, HEIGHT = 224, 264
 ORIGIN = np.array([112.0, 75.0])
+EYES = np.array([[-50.0, 0.0], [50.0, 0.0]])
+"""Where the eyes lie, the right one first; patch units."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,12 +33,15 @@ class Placement:
     """(2, 3) patch units from pixels of the frame."""
 
     @classmethod
-    def at(cls, right_eye: Array, left_eye: Array) -> Placement:
-        """From the middles of the two eyes, pixels of the frame."""
-        across = left_eye - right_eye
-        c, s = 100.0 * across / float(across @ across)
+    def at(cls, eyes: Array, rest: Array = EYES) -> Placement:
+        """From the middles of the right and the left eye, ``eyes`` (2, 2) pixels of the frame,
+        which come to lie at ``rest`` (2, 2) patch units."""
+        across, wanted = eyes[1] - eyes[0], rest[1] - rest[0]
+        length = float(across @ across)
+        c = float(wanted @ across) / length
+        s = float(wanted[0] * across[1] - wanted[1] * across[0]) / length
         turn = np.array([[c, s], [-s, c]])
-        return cls(np.column_stack([turn, -turn @ (right_eye + left_eye) / 2.0]))
+        return cls(np.column_stack([turn, rest.mean(axis=0) - turn @ eyes.mean(axis=0)]))
 
     @property
     def scale(self) -> float:

@@ -31,7 +31,7 @@ from mien.capture.snakes.mouth import (
     lip_colour,
     moustache,
 )
-from mien.capture.snakes.patch import Picture, Placement
+from mien.capture.snakes.patch import EYES, Picture, Placement
 from mien.capture.snakes.pose import RESTING, Pose, fit_pose
 from mien.capture.snakes.relief import lifted
 from mien.capture.snakes.settle import Expected, settle
@@ -179,11 +179,13 @@ class SnakeCapture:
         if placement is None:
             return None
         lenses = np.concatenate([self._rest, self._rest[-1:]])[..., :2]
+        known = self.appearance is not None
+        eyes = self._rest[_EYES, :2, :2].mean(axis=1) if known else EYES
         for _ in range(_FIRST_ROUNDS):
             start = _Start(placement, RESTING, lenses, np.zeros((0, 2)))
             lenses = self._fit(start, image, strange=True).lenses
             middles = lenses[_EYES, :2].mean(axis=1)
-            better = Placement.at(*placement.to_frame(middles))
+            better = Placement.at(placement.to_frame(middles), eyes)
             lenses = better.to_patch(placement.to_frame(lenses))
             placement = better
         if self.appearance is None:

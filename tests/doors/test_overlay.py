@@ -1,0 +1,69 @@
+"""``mien capture --overlay``: the take with what was seen drawn over it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import av
+import numpy as np
+import pytest
+from terminal import FRAMES, mien
+
+from mien.performance.trace import Trace
+from mien.view.overlay import overlay
+
+
+def test_curves_are_drawn_where_they_are() -> None:
+    image = np.zeros((480, 640, 3), np.uint8)
+    beside = np.full((240, 120, 3), 60, np.uint8)
+    line = np.array([[100.5, 200.5], [300.5, 200.5]])
+    drawn = overlay(image, Trace(curves={"lips_upper": line}, beside=beside, notes=("lost",)))
+    assert drawn.shape == (480, 640 + 240, 3)
+    assert drawn[200, 200].max() > 150
+    assert drawn[210, 200].max() == 0
+    assert (drawn[300, 700] == 60).all()
+    assert image.max() == 0
+
+
+def test_small_pictures_are_enlarged_and_wild_places_do_no_harm() -> None:
+    wild = np.array([[-1e9, 5.0], [1e9, np.float64(40.0)]])
+    drawn = overlay(np.zeros((48, 64, 3), np.uint8), Trace(curves={"silhouette": wild}))
+    assert drawn.shape == (480, 640, 3)
+
+
+@pytest.mark.parametrize("capture", ["snakes", "landmarks"])
+def test_a_take_and_its_overlay_are_as_long(take: Path, tmp_path: Path, capture: str) -> None:
+    done = mien(
+        "capture",
+        take,
+        "--capture",
+        capture,
+        "-o",
+        "a.mien",
+        "--overlay",
+        "seen.mp4",
+        cwd=tmp_path,
+    )
+    if capture == "landmarks" and "extra" in done.stderr:
+        pytest.skip("the landmark networks are not installed")
+    assert done.returncode == 0, done.stderr
+    assert str(Path("seen.mp4")) in done.stdout
+    with av.open(str(tmp_path / "seen.mp4")) as film:
+        assert sum(1 for _ in film.decode(video=0)) == FRAMES
+
+
+def test_no_overlay_is_left_where_there_is_no_face(tmp_path: Path) -> None:
+    from clips import noise, write_video
+
+    film = write_video(tmp_path / "noise.mp4", noise(4))
+    done = mien(
+        "capture", film, "--capture", "snakes", "-o", "a.mien", "--overlay", "b.mp4", cwd=tmp_path
+    )
+    assert done.returncode == 1
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["noise.mp4"]
+
+
+def test_overlays_of_what_is_captured_already_are_refused(captured: Path, tmp_path: Path) -> None:
+    done = mien("capture", captured, "-o", "a.mien", "--overlay", "b.mp4", cwd=tmp_path)
+    assert done.returncode == 1
+    assert "--overlay" in done.stderr

@@ -1,0 +1,153 @@
+"""The curve capture on a face that is rendered: found, followed, lost, and never invented."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from mien.capture import CAPTURES, CaptureSettings
+from mien.capture.known import curve_calibration
+from mien.capture.learn import drawn_lenses
+from mien.capture.snakes.features import NAMES, ROW, usual_lenses
+from mien.capture.snakes.lens import height
+from mien.capture.snakes.patch import Placement
+from mien.capture.snakes.regions import means, subareas
+from mien.capture.snakes.stepper import Appearance, SnakeCapture
+from mien.capture.snakes.training import GROUPS, teach
+from mien.errors import FormatError, NoFaceError
+from mien.face.animate import Poser
+from mien.face.library import load_character
+from mien.performance.frame import Frame
+from mien.performance.performer import Performer
+from mien.performance.trace import Trace
+from mien.view.camera import Camera
+from mien.view.renderer import Renderer
+
+Picture = NDArray[np.uint8]
+FRAMES = 14
+GREY = np.full((256, 256, 3), 128, np.uint8)
+
+
+@pytest.fixture(scope="module")
+def film() -> list[Picture]:
+    """The man opens his mouth."""
+    man = load_character("man")
+    poser, renderer = Poser(man.face, man.keys), Renderer(man.face)
+    jaw = man.keys.names.index("jaw_open")
+    pictures = []
+    for i in range(FRAMES):
+        weights = np.zeros(len(man.keys.names))
+        weights[jaw] = max(0.0, (i - 4) / (FRAMES - 5))
+        pictures.append(renderer.render(poser.pose(weights), Camera(size=(256, 256))))
+    return pictures
+
+
+def frames(pictures: list[Picture]) -> Iterator[Frame]:
+    for number, picture in enumerate(pictures):
+        yield Frame(picture, number / 30.0)
+
+
+def test_the_patch_comes_back_to_the_frame() -> None:
+    placement = Placement.at(np.array([[210.0, 190.0], [305.0, 160.0]]))
+    places = np.random.default_rng(1).uniform(-80, 80, (20, 2))
+    assert np.allclose(placement.to_patch(placement.to_frame(places)), places)
+    assert np.allclose(
+        placement.to_patch(np.array([[210.0, 190.0], [305.0, 160.0]])), [[-50, 0], [50, 0]]
+    )
+
+
+def test_subareas_are_eleven_and_inside_the_patch() -> None:
+    assert len(subareas()) == 11
+    shade = np.tile(np.arange(224, dtype=np.float32), (264, 1))
+    seen = dict(zip(subareas(), means(shade), strict=True))
+    assert seen["cheek_right"] < seen["nostrils"] < seen["cheek_left"]
+
+
+def test_a_rendered_face_is_found_and_its_mouth_followed(film: list[Picture]) -> None:
+    stepper = SnakeCapture()
+    seen = [stepper.step(picture) for picture in film]
+    found = [each for each in seen if each is not None]
+    assert len(found) == FRAMES
+    eyes = found[0].placement.to_frame(np.array([[-50.0, 0.0], [50.0, 0.0]]))
+    # The camera looks straight at a face whose eyes are above the middle of the picture.
+    assert abs(eyes.mean(axis=0)[0] - 128.0) < 6.0
+    heights = [float(height(each.lenses[ROW["lips"]])) for each in found]
+    assert heights[-1] > heights[0] + 4.0
+    assert not any(each.recovered for each in found[1:])
+
+
+def test_watching_changes_nothing_and_is_told_every_frame(film: list[Picture]) -> None:
+    told: list[Trace] = []
+    plain = CAPTURES["snakes"](frames(film), CaptureSettings(), "film")
+    watched = CAPTURES["snakes"](frames(film), CaptureSettings(watch=told.append), "film")
+    assert np.array_equal(plain.motion, watched.motion)
+    assert len(told) == FRAMES
+    assert {f"{name}_upper" for name in NAMES} <= set(told[0].curves)
+    assert told[0].beside is not None
+    assert len(plain.points) == 20
+    assert {"lid_left", "lid_right", "tongue_out", "mouth_seen"} <= set(plain.scalars)
+
+
+def test_a_face_that_goes_is_lost_and_found_again(film: list[Picture]) -> None:
+    there = film[:4]
+    performance = CAPTURES["snakes"](
+        frames([*there, GREY, GREY, *there]), CaptureSettings(), "film"
+    )
+    assert performance.lost.tolist() == [False] * 4 + [True] * 2 + [False] * 4
+    assert (performance.confidence[performance.lost] == 0.0).all()
+    assert np.array_equal(performance.motion[4], performance.motion[3])
+
+
+@pytest.mark.parametrize("size", [(48, 64), (256, 256), (1, 1), (1000, 3)])
+def test_pictures_without_a_face_are_told(size: tuple[int, int]) -> None:
+    pictures = [np.full((*size, 3), shade, np.uint8) for shade in (0, 128, 255)]
+    with pytest.raises(NoFaceError, match="no face was found in 3 frames"):
+        CAPTURES["snakes"](frames(pictures), CaptureSettings(), "nothing")
+
+
+def test_noise_is_never_a_face() -> None:
+    random = np.random.default_rng(2)
+    pictures = [random.integers(0, 255, (120, 160, 3), dtype=np.uint8) for _ in range(3)]
+    with pytest.raises(NoFaceError):
+        CAPTURES["snakes"](frames(pictures), CaptureSettings(), "noise")
+
+
+def test_a_known_performer_is_read_alike_frame_by_frame(film: list[Picture]) -> None:
+    stepper = SnakeCapture()
+    first = stepper.step(film[0])
+    assert first is not None
+    known = stepper.appearance
+    assert isinstance(known, Appearance)
+    one, other = SnakeCapture(known), SnakeCapture(known)
+    whole = [one.step(picture) for picture in film]
+    for picture, seen in zip(film, whole, strict=True):
+        again = other.step(picture)
+        assert again is not None
+        assert seen is not None
+        assert np.array_equal(again.lenses, seen.lenses)
+        assert np.array_equal(again.placement.matrix, seen.placement.matrix)
+
+
+def test_networks_are_taught_from_known_features(film: list[Picture]) -> None:
+    seen = SnakeCapture().step(film[0])
+    assert seen is not None
+    networks = teach([(seen.look.patch, seen.lenses)])
+    assert set(networks) == set(GROUPS)
+    assert all(np.isfinite(each.hidden).all() for each in networks.values())
+
+
+def test_rectangles_become_lenses() -> None:
+    placement = Placement.at(np.array([[100.0, 100.0], [200.0, 100.0]]))
+    curves = np.stack([usual_lenses()[name] for name in (*NAMES, "mouth")])
+    drawn = drawn_lenses({"lips": np.array([110.0, 190.0, 190.0, 220.0])}, placement, curves)
+    assert np.allclose(drawn[ROW["lips"], :2], [[-40.0, 105.0], [40.0, 105.0]])
+    assert float(height(drawn[ROW["lips"]])) == pytest.approx(30.0, abs=1.0)
+    assert np.array_equal(drawn[ROW["eye_left"]], curves[ROW["eye_left"]])
+
+
+def test_curves_of_another_shape_are_refused() -> None:
+    with pytest.raises(FormatError, match="lack a sound 'neutral'"):
+        curve_calibration(Performer(curves={"neutral": np.zeros((3, 3))}).curves)
