@@ -12,7 +12,7 @@ from scipy.optimize import lsq_linear
 
 from mien.errors import InputError
 from mien.face.character import Character
-from mien.face.databank import Databank, databank, performer_face
+from mien.face.databank import Databank, databank, performer_face, shape_space
 from mien.face.library import generic_face
 from mien.face.pieces import split
 from mien.mapping import MAPPERS, Settings
@@ -301,3 +301,13 @@ def test_characters_are_driven_by_their_key_models_as_a_population(bank: Databan
 def _frames(performance: Performance, run: slice) -> Performance:
     names = ("time", "motion", "rotation", "translation", "gaze", "confidence", "lost", "unseen")
     return replace(performance, **{name: getattr(performance, name)[run] for name in names})
+
+
+def test_a_databank_is_a_space_for_the_tracker(bank: Databank, toy_face: Character) -> None:
+    space = shape_space(bank)
+    assert space.names == SHAPES
+    scale = space.neutral[0, 1] / bank.face.vertices[0, 1]
+    assert np.allclose(space.neutral, scale * bank.face.vertices[: len(space.neutral)])
+    assert np.allclose(space.expression[0], scale * bank.displacements[0, :468], atol=1e-6)
+    with pytest.raises(ValueError, match="not built on the generic face"):
+        shape_space(databank(toy_face))

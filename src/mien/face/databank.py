@@ -12,11 +12,15 @@ from numpy.typing import NDArray
 
 from mien.face.character import Character, KeyModels
 from mien.face.face import Face
+from mien.face.shape_space import PUPIL_DISTANCE, ShapeSpace, generic_space
 from mien.numeric.procrustes import align, rigid
 from mien.numeric.rotation import to_vector
+from mien.vocabulary.landmarks import feature_points
 
 _SIZES = (0.6, 1.7)
 """Performer over databank: beyond, it is the unit that is wrong."""
+_ASIDE = 3.0
+"""mm by which a landmark may lie beside its feature point."""
 _TURNED, _SHIFTED = 0.3, 60.0
 """Radians and mm between two faces beyond which they stand in different frames; less may be their
 own difference."""
@@ -75,3 +79,30 @@ def performer_face(bank: Databank, vertices: NDArray[np.float64]) -> Face:
     onto = align(theirs, vertices)
     pivots = {name: onto(place) for name, place in bank.face.pivots.items()}
     return replace(bank.face, vertices=vertices, pivots=pivots)
+
+
+def shape_space(bank: Databank) -> ShapeSpace:
+    """What the tracker knows of faces, with the databank's person as the one who is likeliest and
+    her faces as expressions; others still differ as people do.
+
+    Raises ValueError where the databank was not built on the generic face: its skin's first
+    vertices have to be the detector's landmarks.
+    """
+    generic = generic_space()
+    face, count = bank.face, len(generic.neutral)
+    if len(face.vertices) < count:
+        raise ValueError(f"{bank.name} was not built on the generic face")
+    marked = [(fdp, row) for fdp, row in feature_points().items() if fdp in face.points.ids]
+    places = face.points.at(face.vertices)[face.points.index([fdp for fdp, _ in marked])]
+    apart = np.linalg.norm(face.vertices[[row for _, row in marked]] - places, axis=1)
+    if not marked or np.median(apart) > _ASIDE:
+        raise ValueError(f"{bank.name} was not built on the generic face")
+    eyes = face.pivots
+    scale = PUPIL_DISTANCE / float(np.linalg.norm(eyes["eye_left"] - eyes["eye_right"]))
+    return replace(
+        generic,
+        neutral=face.vertices[:count] * scale,
+        expression=bank.displacements[:, :count].astype(float) * scale,
+        names=bank.names,
+        spread=np.full(len(bank.names), generic.spread.mean()),
+    )
