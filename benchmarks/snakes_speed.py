@@ -1,0 +1,111 @@
+"""How fast the curves are followed beside the bare landmark networks.
+
+    python benchmarks/snakes_speed.py --video take.mp4 [--frames 200] [--rounds 3] [--json]
+
+Decoding left out, one core: both look at the same pictures in memory, in turns; figures are
+medians over the rounds. Stages are milliseconds a frame of the functions that do them.
+"""
+
+from __future__ import annotations
+
+import argparse
+import statistics
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from mien.capture.detector import Detector
+from mien.capture.snakes.stepper import SnakeCapture
+from mien.formats.sources import open_source
+from report import show
+
+Picture = NDArray[np.uint8]
+STAGES = ("follow", "look_at", "field_of", "settle", "find_opening")
+STEPPER = sys.modules["mien.capture.snakes.stepper"]
+
+
+def main() -> None:
+    """Run the benchmark as told on the command line."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--video", type=Path, required=True)
+    parser.add_argument("--frames", type=int, default=200)
+    parser.add_argument("--rounds", type=int, default=3)
+    parser.add_argument("--json", action="store_true")
+    options = parser.parse_args()
+    cv2.setNumThreads(1)
+    pictures = [
+        f.image for _, f in zip(range(options.frames), open_source(options.video), strict=False)
+    ]
+    rate(pictures[:10], SnakeCapture().step)
+    ours, theirs, ratios = [], [], []
+    with Detector() as detector:
+        rate(pictures[:10], detector.landmarks)
+        for _ in range(options.rounds):
+            theirs.append(rate(pictures, detector.landmarks))
+            ours.append(rate(pictures, SnakeCapture().step))
+            ratios.append(ours[-1] / theirs[-1])
+    figures = {
+        "fps": statistics.median(ours),
+        "detector_fps": statistics.median(theirs),
+        "detector_ratio": statistics.median(ratios),
+        **stages(pictures),
+    }
+    show("snakes_speed", f"Curves on {options.video.name}", figures, options.json)
+
+
+def rate(pictures: list[Picture], look: Callable[[Picture], object]) -> float:
+    """Frames a second, by the processor's clock: others may be at work."""
+    start = time.process_time()
+    for picture in pictures:
+        look(picture)
+    return len(pictures) / (time.process_time() - start)
+
+
+def stages(pictures: list[Picture]) -> dict[str, float]:
+    """Milliseconds a frame of each stage and of the rest."""
+    spent = dict.fromkeys(STAGES, 0.0)
+    with timed(spent):
+        stepper = SnakeCapture()
+        stepper.step(pictures[0])
+        spent.update(dict.fromkeys(STAGES, 0.0))
+        start = time.process_time()
+        for picture in pictures[1:]:
+            stepper.step(picture)
+        whole = time.process_time() - start
+    count = len(pictures) - 1
+    figures = {f"{name}_ms": 1e3 * seconds / count for name, seconds in spent.items()}
+    return figures | {"rest_ms": 1e3 * (whole - sum(spent.values())) / count}
+
+
+@contextmanager
+def timed(spent: dict[str, float]) -> Iterator[None]:
+    """Let the stepper's functions add what they take to ``spent``."""
+    kept = {name: getattr(STEPPER, name) for name in STAGES}
+
+    def watch(name: str) -> Callable[..., Any]:
+        def timed_call(*given: Any) -> Any:
+            start = time.process_time()
+            result = kept[name](*given)
+            spent[name] += time.process_time() - start
+            return result
+
+        return timed_call
+
+    for name in STAGES:
+        setattr(STEPPER, name, watch(name))
+    try:
+        yield
+    finally:
+        for name, function in kept.items():
+            setattr(STEPPER, name, function)
+
+
+if __name__ == "__main__":
+    main()
