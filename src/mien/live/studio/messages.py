@@ -13,6 +13,7 @@ from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
 MAX_TEXT = 200
 MAX_ITEMS = 64
+MAX_MESSAGE = MAX_ITEMS * (MAX_TEXT + 8)
 
 SourceKind = Literal["none", "camera", "sample", "video", "take"]
 
@@ -120,6 +121,8 @@ def encode(message: StageSet | Note) -> str:
 
 def decode(text: str) -> Message:
     """A message of the page. Raises ValueError for anything else."""
+    if len(text) > MAX_MESSAGE:
+        raise ValueError("a message longer than any this server knows")
     try:
         told = json.loads(text)
         kind = _NAMES[told.pop("kind")]

@@ -8,20 +8,16 @@ from pathlib import Path
 from time import perf_counter, sleep
 from typing import Protocol
 
-import cv2
 import numpy as np
-from numpy.typing import NDArray
 
-from mien.errors import InputError
+from mien.formats.jpeg import decode_jpeg, encode_jpeg
 from mien.formats.sources import open_source
 from mien.live.newest import Newest, keep_newest
 from mien.live.run import in_real_time
 from mien.performance.frame import Frame
 from mien.performance.performance import Performance
 
-LARGEST_SIDE = 4096
 _SHOWN_HEIGHT = 360
-_QUALITY = 70
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +59,7 @@ class PageCamera:
         if taken is None:
             return None
         at, time, picture = taken
-        return Arrived(at, Frame(decoded(picture), time))
+        return Arrived(at, Frame(decode_jpeg(picture), time))
 
     def close(self) -> None:
         """See Source."""
@@ -84,7 +80,7 @@ class Film:
         if taken is None:
             return None
         at, frame = taken
-        return Arrived(at, frame, shown(frame.image))
+        return Arrived(at, frame, encode_jpeg(frame.image, _SHOWN_HEIGHT))
 
     def close(self) -> None:
         """See Source."""
@@ -133,22 +129,3 @@ class Tape:
 
     def close(self) -> None:
         """See Source."""
-
-
-def decoded(picture: bytes) -> NDArray[np.uint8]:
-    """(H, W, 3) RGB of a JPEG. Raises InputError for anything else."""
-    if picture[:3] != b"\xff\xd8\xff":
-        raise InputError("the page sent something that is no JPEG")
-    image = cv2.imdecode(np.frombuffer(picture, np.uint8), cv2.IMREAD_COLOR)
-    if image is None or max(image.shape[:2]) > LARGEST_SIDE:
-        raise InputError("the page sent a picture that cannot be used")
-    return np.asarray(image[:, :, ::-1])
-
-
-def shown(image: NDArray[np.uint8]) -> bytes:
-    """A JPEG of ``image`` (H, W, 3) RGB, small enough to be sent with every frame."""
-    height = min(_SHOWN_HEIGHT, image.shape[0])
-    size = (max(1, round(image.shape[1] * height / image.shape[0])), height)
-    small = cv2.resize(image, size, interpolation=cv2.INTER_AREA)
-    _, jpeg = cv2.imencode(".jpg", small[:, :, ::-1], [cv2.IMWRITE_JPEG_QUALITY, _QUALITY])
-    return jpeg.tobytes()
