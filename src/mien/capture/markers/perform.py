@@ -75,53 +75,73 @@ def perform(
     face of its size.
     """
     settings = settings or MarkerSettings()
-    take, absent = _shown(take)
-    roles = name_roles(take.labels, settings.roles)
-    motion = _head_motion(take, roles, settings.nose_tip)
-    skin, roles = ~roles.jig, roles.only(~roles.jig)
-    still = motion.undo(take.places)[:, skin]
-    noise = noise_of(still[:, ~roles.nameless])
-    mended, events = mend(still, roles.labels, roles.nameless, noise)
-    roles = roles.only(~roles.nameless)
-    known = np.asarray(np.isfinite(mended).all(axis=-1))
-    filled, error = fill(mended, known, learn(mended, known, noise), take.rate)
-    rest = _rest(take, filled, settings)
-    neutral = filled[rest].mean(axis=0)
+    clean = _clean(take, settings)
+    rest = _rest(take, clean.places, settings)
+    neutral = clean.places[rest].mean(axis=0)
     generic = dict(zip(face.points.ids, face.points.at(face.vertices), strict=True))
-    roles = place_roles(roles, neutral, generic)
+    roles = place_roles(clean.roles, neutral, generic)
     onto = _lay_on(take, roles, neutral, generic)
     chosen = np.array([bool(fdp) for fdp in roles.fdp])
     told = roles.only(chosen)
-    place = neutral[chosen]
-    sigma = np.sqrt(_PLACED**2 + noise**2 + (error[:, chosen] ** 2).mean(axis=0))
-    rotation, translation = _in_head_frame(motion, onto)
-    seen = known.mean(axis=1)
+    error = np.sqrt(_PLACED**2 + clean.noise**2 + (clean.error[:, chosen] ** 2).mean(axis=0))
+    rotation, translation = _in_head_frame(clean.head, onto)
     middle = (rest.start + rest.stop) // 2
     performance = Performance(
         points=told.fdp,
-        neutral=_turned(onto, place),
+        neutral=_turned(onto, neutral[chosen]),
         time=take.time,
-        motion=(filled[:, chosen] - place) @ onto.rotation.T,
-        sigma=np.repeat(sigma[:, None], 3, axis=1),
+        motion=(clean.places - neutral)[:, chosen] @ onto.rotation.T,
+        sigma=np.repeat(error[:, None], 3, axis=1),
         rotation=rotation,
         translation=translation,
         gaze=np.zeros((len(take), 2, 2)),
-        confidence=seen,
-        lost=seen < _LOST,
+        confidence=clean.seen,
+        lost=clean.seen < _LOST,
         unseen=np.zeros((len(take), 3)),
         rest_rotation=rotation[middle],
         rest_translation=translation[middle],
         source=take.source,
     )
+    return performance, Mended(
+        points=dict(zip(told.fdp, told.labels, strict=True)),
+        events=clean.events,
+        noise=clean.noise,
+        rest=(float(take.time[rest.start]), float(take.time[rest.stop - 1])),
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class _Clean:
+    """A take whose head is still and whose M markers on the skin are where they belong."""
+
+    head: HeadMotion
+    roles: Roles
+    """Of the markers on the skin."""
+    places: Array
+    """(F, M, 3) mm, without gaps."""
+    error: Array
+    """(F, M) mm, standard error of what was filled."""
+    seen: Array
+    """(F,) share of the markers that were."""
+    noise: float
+    events: tuple[Event, ...]
+
+
+def _clean(take: MarkerTake, settings: MarkerSettings) -> _Clean:
+    take, absent = _shown(take)
+    roles = name_roles(take.labels, settings.roles)
+    head = _head_motion(take, roles, settings.nose_tip)
+    still, roles = head.undo(take.places)[:, ~roles.jig], roles.only(~roles.jig)
+    noise = noise_of(still[:, ~roles.nameless])
+    places, events = mend(still, roles.labels, roles.nameless, noise)
+    roles = roles.only(~roles.nameless)
+    known = np.asarray(np.isfinite(places).all(axis=-1))
+    filled, error = fill(places, known, learn(places, known, noise), take.rate)
     gaps = [
         Event("gap", (roles.labels[gap.marker],), gap.first, gap.last) for gap in find_gaps(known)
     ]
-    return performance, Mended(
-        points=dict(zip(told.fdp, told.labels, strict=True)),
-        events=tuple(sorted((*absent, *events, *gaps), key=lambda event: event.first)),
-        noise=noise,
-        rest=(float(take.time[rest.start]), float(take.time[rest.stop - 1])),
-    )
+    told = tuple(sorted((*absent, *events, *gaps), key=lambda event: event.first))
+    return _Clean(head, roles, filled, error, known.mean(axis=1), noise, told)
 
 
 def _shown(take: MarkerTake) -> tuple[MarkerTake, list[Event]]:
