@@ -24,7 +24,7 @@ from scipy import sparse
 from scipy.sparse.csgraph import dijkstra
 
 from mien.face.character import Character, KeyModels
-from mien.face.face import Array, Face
+from mien.face.face import Array, Face, Part
 from mien.face.pieces import REGIONS, WHOLE, Pieces
 
 WIRES: Mapping[str, tuple[str, str, tuple[str, ...]]] = {
@@ -278,11 +278,18 @@ def _over_skin(
     """Distance (V,) mm over the surface to the nearest of ``samples`` (S, 3), and which (V,).
     What the surface does not join is measured through the air."""
     straight = np.linalg.norm(face.vertices[:, None] - samples[None], axis=-1)
-    start = straight.argmin(axis=0)
+    skin = _skin(face)
+    start = skin.first + straight[skin.first : skin.last].argmin(axis=0)
     distance = dijkstra(graph, directed=False, indices=np.unique(start), min_only=True)
     air = ~np.isfinite(distance)
     nearest = straight.argmin(axis=1)
     return np.where(air, straight.min(axis=1), np.maximum(distance, straight.min(axis=1))), nearest
+
+
+def _skin(face: Face) -> Part:
+    """The part on which most of the feature points lie: lashes and brows may be nearer."""
+    at = face.points.vertices[:, 0]
+    return max(face.parts, key=lambda part: int(((at >= part.first) & (at < part.last)).sum()))
 
 
 def _hard(face: Face) -> NDArray[np.bool_]:
