@@ -272,6 +272,7 @@ def animate_surface(
     topology (``load_performer``). ``mapping`` is "bounded", "genetic" or "published"; ``smooth``
     False leaves the markers' noise in. Raises InputError.
     """
+    performance = _moving(performance)
     surface = reconstruct(performance, bank, face=face, solver=mapping, smooth=smooth)
     return act_surface(surface, performance, bank.name)
 
@@ -281,6 +282,7 @@ def enrich(
 ) -> Performance:
     """``performance`` with the motion of every feature point of a databank's face, also of those
     that wore no marker; for characters of any other mesh. As ``animate_surface``."""
+    performance = _moving(performance)
     surface = reconstruct(performance, bank, solver=mapping, smooth=smooth)
     return told_points(surface, performance)
 

@@ -249,6 +249,9 @@ def test_what_cannot_be_is_told(bank: Databank, toy_face: Character) -> None:
         reconstruct(performance, bank, solver="cardinal")
     with pytest.raises(InputError, match="build both from the same"):
         reconstruct(performance, bank, face=toy_face.face)
+    flat = replace(performance, unseen=np.tile([0.0, 0.0, 1.0], (90, 1)))
+    with pytest.raises(InputError, match="no depth"):
+        reconstruct(flat, bank)
     few = replace(performance, points=("8.3",), neutral=performance.neutral[:1])
     with pytest.raises(InputError, match="at least 8"):
         reconstruct(few, bank)

@@ -33,6 +33,8 @@ SOLVERS: Mapping[str, Solver] = MappingProxyType(
 )
 """The first is the default."""
 _FEWEST = 8
+_LEAST_NOISE = 1e-4
+"""mm, cleaned captures have none to speak of."""
 _PAIRS = (("8.3", "8.4"), ("4.5", "4.6"), ("9.3", "2.1"), ("5.3", "5.4"))
 """Mouth corners, outer brows, nose tip and chin, cheek bones: a set of markers has no eyes."""
 _HARD = ("teeth", "gum", "tongue", "eye")
@@ -76,16 +78,49 @@ def reconstruct(
 ) -> Reconstruction:
     """The surface a performance shows, from the faces of ``bank``.
 
-    ``face`` is the performer's own neutral in the databank's topology; ``solver`` one of SOLVERS by
-    name, or another;
-    ``smooth`` takes the markers' noise out in time; ``residual`` False leaves the blend alone.
-    Raises InputError for an unknown solver, a face of another topology, or too few common points.
+    ``face`` is the performer's own neutral in the databank's topology; ``solver`` one of SOLVERS
+    by name, or another; ``smooth`` takes the markers' noise out in time; ``residual`` False leaves
+    the blend alone. Raises InputError for an unknown solver, a face of another topology, too few
+    common points, or motion that was seen without depth.
     """
-    if isinstance(solver, str):
-        if solver not in SOLVERS:
-            raise InputError(f"--mapping {solver}: with a databank there are {', '.join(SOLVERS)}")
-        solver = SOLVERS[solver]
+    solve = _solver(solver)
     face = bank.face if face is None else face
+    points = _compared(performance, bank, face)
+    rows = [performance.points.index(point) for point in points]
+    on_bank, on_face = bank.face.points.index(points), face.points.index(points)
+    worn, places = performance.neutral[rows], face.points.at(face.vertices)[on_face]
+    scale = databank_scale(points, worn, bank.face)
+    motion = performance.motion[:, rows] @ align(worn, places).rotation.T
+    noise = np.full(len(points), max(noise_of(motion), _LEAST_NOISE))
+    if smooth:
+        motion, left = steady(motion, _rate(performance))
+        noise = noise * left
+    fields = bank.face.points.at(bank.displacements)[:, on_bank]
+    misfit = learn_misfit(fields, scale * motion, scale * noise, bounded)
+    variance = scale**2 * noise**2 + misfit
+    weights = solve(blend(fields, scale * motion, variance, _rate(performance)))
+    left_over = motion - np.tensordot(weights, fields, axes=1) / scale
+    rest = believe(left_over, places, noise) if residual else np.zeros_like(motion)
+    missed = left_over - spread(places, places) @ rest
+    felt = spread(face.vertices, places)
+    felt[_hard(face)] = 0.0
+    rms = np.sqrt((missed**2).sum(axis=-1).mean(axis=-1))
+    return Reconstruction(face, bank, weights, scale, felt, rest, rms)
+
+
+def _solver(named: str | Solver) -> Solver:
+    if not isinstance(named, str):
+        return named
+    if named not in SOLVERS:
+        raise InputError(f"--mapping {named}: with a databank there are {', '.join(SOLVERS)}")
+    return SOLVERS[named]
+
+
+def _compared(performance: Performance, bank: Databank, face: Face) -> list[str]:
+    """The feature points all three have."""
+    source = performance.source or "the take"
+    if performance.unseen.any():
+        raise InputError(f"{source}: one camera saw no depth; a databank needs markers")
     if face.vertices.shape != bank.face.vertices.shape:
         raise InputError(
             f"a face of {len(face.vertices)} vertices and a databank of "
@@ -94,29 +129,10 @@ def reconstruct(
     points = [p for p in performance.points if p in face.points.ids and p in bank.face.points.ids]
     if len(points) < _FEWEST:
         raise InputError(
-            f"{performance.source or 'the take'}: {len(points)} of its feature points are on "
-            f"{bank.name}; at least {_FEWEST} are needed"
+            f"{source}: {len(points)} of its feature points are on {bank.name}; at least "
+            f"{_FEWEST} are needed"
         )
-    rows = [performance.points.index(point) for point in points]
-    worn = performance.neutral[rows]
-    on_face = face.points.at(face.vertices)[face.points.index(points)]
-    scale = databank_scale(points, worn, bank.face)
-    motion = performance.motion[:, rows] @ align(worn, on_face).rotation.T
-    noise = np.full(len(points), max(noise_of(motion), 1e-4))
-    if smooth:
-        motion, left = steady(motion, _rate(performance))
-        noise = noise * left
-    fields = bank.face.points.at(bank.displacements)[:, bank.face.points.index(points)]
-    misfit = learn_misfit(fields, scale * motion, scale * noise, bounded)
-    problem = blend(fields, scale * motion, scale**2 * noise**2 + misfit, _rate(performance))
-    weights = solver(problem)
-    left_over = motion - np.tensordot(weights, fields, axes=1) / scale
-    rest = believe(left_over, on_face, noise) if residual else np.zeros_like(motion)
-    shown = spread(on_face, on_face) @ rest
-    missed = np.sqrt(((left_over - shown) ** 2).sum(axis=-1).mean(axis=-1))
-    felt = spread(face.vertices, on_face)
-    felt[_hard(face)] = 0.0
-    return Reconstruction(face, bank, weights, scale, felt, rest, missed)
+    return points
 
 
 def databank_scale(points: list[str], worn: Array, face: Face) -> float:
