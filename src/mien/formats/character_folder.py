@@ -20,7 +20,7 @@ from mien.formats.obj_read import ObjMesh, read_obj
 
 _NEUTRAL = re.compile(r"^(base|neutral|rest|basis)$|neutral(_mesh)?$", re.IGNORECASE)
 _IDENTITY = re.compile(r"^identity\d+$", re.IGNORECASE)
-_MAX_FILES, _MAX_DISPLACEMENTS = 2000, 50_000_000
+_MAX_FILES, _MAX_DISPLACEMENTS = 2000, 25_000_000
 _PLAIN = (0.45, 0.4, 0.36)
 _LONGEST_STEP = 0.5
 """Part of the face's size: where half of the vertices move farther, they are in another order."""

@@ -22,7 +22,7 @@ from mien.formats.gltf_container import Container, Json, open_gltf
 from mien.formats.gltf_nodes import Nodes, find_hooks, joint_place, read_nodes
 from mien.formats.gltf_pack import packed
 
-MAX_DISPLACEMENTS = 50_000_000
+MAX_DISPLACEMENTS = 25_000_000
 """Morph targets times vertices, all meshes together: what memory is asked for."""
 _MAX_VERTICES, _MAX_TARGETS = 4_000_000, 20_000
 _FARTHEST = 1e7
@@ -133,7 +133,7 @@ class _Reading:
         if vertices > _MAX_VERTICES or shapes > _MAX_TARGETS or displacements > MAX_DISPLACEMENTS:
             raise self.container.fault(
                 f"{vertices} vertices and {shapes} morph targets are more than memory should hold"
-                f" (at most {MAX_DISPLACEMENTS:.0e} displacements); reduce it"
+                f" (at most {MAX_DISPLACEMENTS // 10**6} million displacements); reduce it"
             )
 
     def _mesh(self, node: int, index: int) -> None:

@@ -12,7 +12,7 @@ from mien.errors import FormatError, InputError
 from mien.face.face import Array
 from mien.formats.meshes import triangulated
 
-MAX_BYTES = 256 * 2**20
+MAX_BYTES = 64 * 2**20
 _FARTHEST = 1e7
 _MAX_CORNERS = 64
 

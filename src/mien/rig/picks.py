@@ -19,7 +19,6 @@ from mien.vocabulary.fdp import feature_points
 
 Picks = Mapping[str, Array]
 
-MOST = 84
 NEEDED = (
     ("3.7", "3.12"),
     ("3.11", "3.8"),
