@@ -27,6 +27,7 @@ import mien
 from mien.capture import CAPTURES, CaptureSettings
 from mien.capture.detector import follow
 from mien.capture.landmarks import USUAL_FOCAL, WORLD_FROM_CAMERA, calibrate, rest_of
+from mien.capture.landmarks import perform as from_landmarks
 from mien.capture.neutral import ground
 from mien.capture.track import ROW, LandmarkTrack
 from mien.capture.tracker.capture import Faces, follow_take
@@ -172,6 +173,7 @@ def ablation(options: argparse.Namespace, truth: dict[str, Any], focal: float | 
     base = ground(generic_face())
     rest = rest_of(track, base, focal=focal)
     known = calibrate(track, base, focal=focal)
+    plain = from_landmarks(track, known, base, options.clip.name)
     databank = options.databank or options.truth.resolve().parent.parent / "ict"
     table = Table("without", "rotation", "p95", "dense", "amplitude", title=options.clip.name)
     left_out: dict[str, dict[str, Any]] = {
@@ -188,7 +190,7 @@ def ablation(options: argparse.Namespace, truth: dict[str, Any], focal: float | 
     for name, trust in left_out.items():
         somebody = generic_person(known, track.size)
         done = follow_take(track, faces, somebody, rest, Trust(**trust))
-        performance = perform(track, done.found, done.met, known, name)
+        performance = perform(track, done.found, done.met, known, plain)
         mean, p95 = rotation_error(WORLD_FROM_CAMERA @ performance.rotation, truth["R"])
         ratio, amplitude = dense_error(performance, truth, databank, options.mapping)
         table.add_row(name, *(f"{value:.2f}" for value in (mean, p95, ratio, amplitude)))

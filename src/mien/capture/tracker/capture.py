@@ -68,7 +68,8 @@ def tracker(
     done = follow_take(track, faces, generic_person(known, track.size), rest)
     if settings.watch is not None:
         _show(settings, track, done)
-    return perform(track, done.found, done.met, known, source)
+    plain = landmarks.perform(track, known, base, source)
+    return perform(track, done.found, done.met, known, plain)
 
 
 def follow_take(

@@ -36,8 +36,8 @@ _FARTHEST = 38.0
 """Degrees from rest beyond which a view shows too little of the same skin."""
 _POSE_SIGMA = (0.05, 10.0)
 """Radians and mm by which landmarks may place the face at rest wrongly."""
-_FREE_MODES = 15
-_ROUNDS = (0, 0, 0, 0, 1, 1, 1, 1)
+_FREE_MODES = 30
+_ROUNDS = (0, 0, 0, 1, 1, 1)
 _IDENTITY_SIGMA = np.array([1.0, 1.0, 2.0])
 """mm along x, y, z of the landmarks' neutral."""
 

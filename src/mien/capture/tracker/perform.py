@@ -3,25 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.capture import gaze as eyes
-from mien.capture import lids
 from mien.capture.headfit import HeadFit, motion_from_neutral
-from mien.capture.landmarks import (
-    POINT_ROWS,
-    POINTS,
-    SIGMA,
-    SPANS,
-    WORLD_FROM_CAMERA,
-    Calibration,
-    by_region,
-    facing,
-    hold,
-    rays,
-)
+from mien.capture.landmarks import POINT_ROWS, WORLD_FROM_CAMERA, Calibration, by_region, hold, rays
 from mien.capture.track import KEPT, LandmarkTrack
 from mien.capture.tracker.meet import ROWS, VERTICES, Meeting
 from mien.capture.tracker.track import Found
@@ -38,6 +26,8 @@ _DOUBT, _STEEP = 1.6, 4
 """Times the usual disagreement of looks at which half the confidence is gone, and how fast."""
 _LEAST = 0.1
 """Disagreement that everybody has."""
+_PUFF, _PUFF_GAIN = "cheek_puff", 2.0
+"""The prior holds back a shape that moves little of what can be seen from in front."""
 
 
 def perform(
@@ -45,48 +35,37 @@ def perform(
     found: Sequence[Found],
     met: Meeting,
     known: Calibration,
-    source: str,
+    plain: Performance,
 ) -> Performance:
     """The performance of ``track``, whose frames that show a face are ``found`` in their order.
 
-    The head is the tracker's; points are where the landmarks lie against that head, less what they
-    miss at rest.
+    Head and surface are the tracker's. Lids, gaze and what else is read beside them come from the
+    ``plain`` performance of the landmarks: so near a point, the pose of the whole head is too far.
     """
     neutral = known.model.copy()
     neutral[ROWS] = met.person.neutral[VERTICES]
     offset = np.zeros_like(neutral)
     offset[ROWS] = np.column_stack([met.person.offset, np.zeros(len(ROWS))]) @ met.rest.rotation
-    directions = rays(track, known.focal)[~track.lost]
     states = [each.state for each in found]
     fit = HeadFit(
         np.array([s.rotation for s in states]),
         np.array([s.translation for s in states]),
         np.array([s.weights for s in states]),
     )
-    seen = motion_from_neutral(neutral, directions, fit) - offset
+    seen = motion_from_neutral(neutral, rays(track, known.focal)[~track.lost], fit) - offset
     skin = np.einsum("fk,pkx->fpx", fit.weights, _point_shapes(met))
     motion = LANDMARKS[:, None] * seen[:, POINT_ROWS] + SKIN[:, None] * skin
-    lifted = neutral + seen
-    turn = facing(fit)
-    closure = lids.closures(lids.openings(lifted, known.model), known.lids, turn[:, 0])
-    kept = hold(track.lost)
     confidence = confidences(np.array([each.cost for each in found]))
-    return Performance(
-        points=POINTS,
+    kept = hold(track.lost)
+    return replace(
+        plain,
         neutral=neutral[POINT_ROWS],
-        time=track.time,
         motion=motion[kept],
-        sigma=np.repeat(SIGMA[:, None], 3, axis=1),
         rotation=(WORLD_FROM_CAMERA @ fit.rotation)[kept],
         translation=(fit.translation @ WORLD_FROM_CAMERA)[kept],
-        gaze=eyes.gaze(eyes.raw_gaze(lifted), known.gaze, closure)[kept],
         confidence=np.where(track.lost, 0.0, confidence[kept]),
-        lost=track.lost,
         unseen=fit.rotation[:, 2][kept],
-        rest_translation=known.place @ WORLD_FROM_CAMERA,
-        spans=SPANS,
-        scalars={"lid_left": closure[kept, 0], "lid_right": closure[kept, 1]},
-        source=source,
+        scalars={**plain.scalars, "cheek_puff": _puff(fit.weights, met)[kept]},
     )
 
 
@@ -95,6 +74,14 @@ def confidences(costs: Array) -> Array:
     so do films: a frame is doubted when it agrees much less than this take's frames mostly do."""
     usual = max(float(np.quantile(costs, 0.3)), _LEAST)
     return np.asarray(1.0 / (1.0 + (costs / (_DOUBT * usual)) ** _STEEP))
+
+
+def _puff(weights: Array, met: Meeting) -> Array:
+    """(F,) how far the cheeks are blown up, which no landmark shows, of ``weights`` (F, K)."""
+    names = met.person.space.names
+    if _PUFF not in names:
+        return np.zeros(len(weights))
+    return np.clip(_PUFF_GAIN * weights[:, names.index(_PUFF)], 0.0, 1.0)
 
 
 def _point_shapes(met: Meeting) -> Array:
