@@ -34,6 +34,8 @@ _FEWEST = 30
 """Pixels of an opening."""
 _SLIT = 3.0
 """Patch units of height below which a mouth is shut and one curve serves both lips."""
+_WIDE = 0.5
+"""Share of the lips' width that an opening has at least: a dark spot in shaded lips has less."""
 _RING = 0.14
 """Depth of the lips' own colour inside their outline, in heights."""
 _STRIP, _HAIRY = 6.0, 0.2
@@ -104,7 +106,8 @@ def find_opening(lips: Array, value: Field, dark: Mask, teeth: Mask, corner: Arr
     if len(rows) >= _FEWEST:
         hull = cv2.convexHull(np.stack([columns, rows], 1).astype(np.int32))[:, 0].astype(float)
         lens = _hull_lens(hull) + corner
-        if height(lens) >= _SLIT:
+        wide = float(np.ptp(hull[:, 0])) > _WIDE * float(lips[1, 0] - lips[0, 0])
+        if wide and height(lens) >= _SLIT:
             whole = np.zeros_like(seen)
             cv2.fillPoly(whole, [hull.astype(np.int32)], 1)
             neither = 1.0 - float(seen.sum()) / max(float(whole.sum()), 1.0)
