@@ -26,7 +26,8 @@ def brow(head: Head) -> Form:
     hair = head.proportions.hair_line
     upper, lower = head.cage[topology.BROW_UPPER], head.cage[topology.BROW_LOWER]
     share = hair.brow_between
-    path = spline(upper * share + lower * (1 - share) + [0, hair.brow_up, 0], _BROW_ROWS)
+    lift = hair.brow_up + hair.brow_inner * np.linspace(1, 0, len(upper))[:, None] ** 1.5
+    path = spline(upper * share + lower * (1 - share) + lift * [0, 1, 0], _BROW_ROWS)
     on_mask = np.flatnonzero(labels().mask > 0.5)
     distance, near = cKDTree(head.skin[on_mask]).query(path, k=6)
     weight = 1 / (distance + 1.5) ** 2

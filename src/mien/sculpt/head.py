@@ -15,6 +15,7 @@ from mien.sculpt.neutral import neutral_cage
 from mien.sculpt.pose import posed_cage
 from mien.sculpt.proportions import Proportions
 from mien.sculpt.skin import clear_of_eyes
+from mien.sculpt.wrinkles import wrinkles
 
 Array = NDArray[np.float64]
 
@@ -52,6 +53,7 @@ class Head:
         places = posed_cage(self.cage, self.proportions, expression)
         eye = self.proportions.eye
         moved = self.skin + cage().subdivision.matrix @ (places - self.cage)
+        moved += wrinkles(self.skin, self.normals, expression)
         skin = eased(self.skin, clear_of_eyes(moved, eye), eye)
         head = _head(self.proportions, expression, places, skin)
         return _symmetrised(head) if expression.is_symmetric() else head

@@ -53,6 +53,11 @@ _CHEEK, _UNDER_CHEEK = [330, 280, 347, 346], [425, 411]
 _PUFF = [425, 436, 427, 434, 416]
 _WING = [358, 331, 279, 429]
 _FOLD = [423, 426, 436, 432]
+_BESIDE_FOLD = [266, 425, 427]
+_FROWN = [9, 8]
+"""Between the brows, where drawing them together leaves a furrow."""
+_FURROW = 0.45
+"""mm of its depth a millimetre that a brow's inner end comes in."""
 
 
 def gains(expression: Expression, across: ArrayLike) -> Array:
@@ -230,8 +235,10 @@ def _pull_cheeks(handles: Handles, proportions: Proportions, expression: Express
             puff = np.array([0.9, 0, 0.6]) * expression.puff * scale
             handles.add(_on_side(_PUFF, side), _push(puff, side, gain), 2.0)
         if expression.fold:
-            fold = np.array([-0.3, 0, -1.0]) * expression.fold + corner * [0.5, 0.5, 0.4]
-            handles.add(_on_side(_FOLD, side), _push(fold, side, gain), 1.2)
+            fold = np.array([-0.5, 0, -2.0]) * expression.fold + corner * [0.5, 0.5, 0.4]
+            handles.add(_on_side(_FOLD, side), _push(fold, side, gain), 3.0)
+            ridge = np.array([0.2, 0.3, 1.1]) * expression.fold + corner * [0.4, 0.4, 0.2]
+            handles.add(_on_side(_BESIDE_FOLD, side), _push(ridge, side, gain), 2.0)
         wing = np.array([0.35, 1, 0.1]) * expression.nose
         handles.add(_on_side(_WING, side), _push(wing, side, gain), 1.0)
     boss = expression.chin * float(gains(expression, 0.0))

@@ -99,6 +99,8 @@ class HairLine:
     brow_height: float = 1.6
     brow_between: float = 0.5
     """0 on the lower edge of the brow loops, 1 on the upper."""
+    brow_inner: float = 0.0
+    """How much higher the inner end lies: brows that fall inwards look stern."""
     lash: float = 1.2
     """Length; 0 for none."""
     lash_width: float = 0.9

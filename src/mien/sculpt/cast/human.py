@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 from mien.sculpt.eyes import Iris, catch_light, eyeball
 from mien.sculpt.proportions import EyeShape
@@ -19,7 +20,7 @@ def pair(left: Solid) -> tuple[Solid, Solid]:
     return left, left.mirrored()
 
 
-TOLD_APART = {
+TOLD_APART: Mapping[str, Mapping[str, Any]] = {
     "surprise": {
         "jaw": 16.0,
         "narrow": 0.22,

@@ -61,9 +61,9 @@ _PROPORTIONS = Proportions(
         upper=4.3,
         lower=5.8,
         fullness=2.2,
-        bend=2.2,
+        bend=2.9,
     ),
-    HairLine(brow_up=-1.5, brow_width=4.6, brow_height=2.2, lash=1.2),
+    HairLine(brow_up=-0.5, brow_width=3.9, brow_height=2.0, brow_inner=2.6, lash=1.2),
 )
 
 

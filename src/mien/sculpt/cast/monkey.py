@@ -86,7 +86,9 @@ _PROPORTIONS = Proportions(
         tooth_scale=1.28,
         tooth_back=14.5,
     ),
-    HairLine(brow_up=5.5, brow_width=2.9, brow_height=1.8, brow_between=0.45, lash=1.3),
+    HairLine(
+        brow_up=5.0, brow_width=2.9, brow_height=1.8, brow_between=0.45, brow_inner=2.2, lash=1.3
+    ),
     Temper(brows=1.15, lip_thickness=1.5),
 )
 
@@ -179,6 +181,7 @@ _KEYS = repertoire(
         "lower_lip": (0, 0.65, 1.0),
         "upper_thick": 0.85,
         "lower_thick": 0.85,
+        "fold": 1.0,
     },
     sad={"corner": (-1.0, -9.5, -1.0), "upper_thick": 1.05, "lower_thick": 1.05},
     pressed={

@@ -79,7 +79,7 @@ _PROPORTIONS = Proportions(
         bend=5.5,
         tooth_back=13.2,
     ),
-    HairLine(brow_up=9.5, brow_width=3.8, brow_height=2.2, lash=0),
+    HairLine(brow_up=9.0, brow_width=3.6, brow_height=2.2, brow_inner=4.5, lash=0),
     Temper(brows=1.3, cheeks=0.4, lip_thickness=2.0),
 )
 

@@ -70,7 +70,9 @@ _PROPORTIONS = Proportions(
         fullness=3.0,
         bend=2.6,
     ),
-    HairLine(brow_up=0.5, brow_width=2.6, brow_height=1.3, lash=5.2, lash_width=1.5),
+    HairLine(
+        brow_up=0.8, brow_width=2.6, brow_height=1.3, brow_inner=2.4, lash=5.2, lash_width=1.5
+    ),
     Temper(brows=1.1, cheeks=0.7),
 )
 
@@ -81,7 +83,7 @@ def _curtain(scalp: Scalp) -> list[Form]:
     for side in (1, -1):
         for yaw in np.linspace(66, 176, 9):
             tip = 0.98 * yaw + (0 if yaw > 90 else 4)
-            low = -58 if yaw < 150 else -60
+            low = -51 if yaw < 150 else -54
             course = [
                 (_PARTING + side * (yaw - _PARTING * side) * 0.45, 66, 11),
                 (side * yaw * 0.92, 38, 16),
@@ -90,13 +92,24 @@ def _curtain(scalp: Scalp) -> list[Form]:
                 (side * (tip - 3), -44, 24),
                 (side * (tip - 12), low, 12),
             ]
-            forms.append(lock(scalp, course, 15.5, 8.5, widest=0.55, start=0.4, end=0.12, rows=15))
+            forms.append(lock(scalp, course, 15.5, 8.5, widest=0.55, start=0.4, end=0.22, rows=15))
     return forms
 
 
 def _fringe(scalp: Scalp) -> list[Form]:
     """Swept from the parting to either side, each lock 2 mm above its neighbour."""
     forms = []
+    for side, roots in ((1, (4.0, 12.0)), (-1, (-4.0, -9.0))):
+        # Under the first ones, where the scalp would show beside the parting.
+        for root in roots:
+            course = [
+                (_PARTING + 0.3 * root, 70, 5),
+                (_PARTING + root, 60, 12),
+                (_PARTING + 2.6 * root + 4 * side, 50, 13),
+                (_PARTING + 4.0 * root + 14 * side, 38, 12),
+                (_PARTING + 4.6 * root + 34 * side, 20, 11),
+            ]
+            forms.append(lock(scalp, course, 13.0, 6.0, widest=0.5, start=0.5, end=0.1, rows=12))
     for number in range(5):
         q, up = number / 4, 1.8 * (4 - number)
         course = [
@@ -124,7 +137,9 @@ def _fringe(scalp: Scalp) -> list[Form]:
 
 def _hair(neutral: Head) -> Solid:
     scalp = Scalp(neutral.skin)
-    edge = curve((0, 80), (30, 80), (52, 80), (75, 90), (100, 106), (130, 118), (180, 122))
+    edge = curve(
+        (0, 66), (16, 67), (34, 76), (52, 80), (75, 90), (100, 106), (130, 118), (180, 122)
+    )
     under, ridge = cap(
         scalp,
         edge,
