@@ -12,7 +12,7 @@ from guests import PICKS, SHAPES, edited, guest, write_guest
 from mien.face.model import Model
 from mien.formats.gltf_read import read_gltf
 from mien.numeric.closest import closest_on_triangles, nearest
-from mien.rig.acts import measure
+from mien.rig.acts import measure, unexpressed
 from mien.rig.build import build
 from mien.rig.components import components, find_ball, round_pair
 from mien.rig.doubts import doubts
@@ -114,6 +114,13 @@ def test_what_looks_wrong_is_said(tmp_path: Path) -> None:
 
 def _again(path: Path, points: Path) -> Import:
     return import_character(path, points=points)
+
+
+def test_what_no_shape_expresses_is_said(tmp_path: Path) -> None:
+    path, points = write_guest(tmp_path)
+    lost = unexpressed(import_character(path, points=points).character)
+    assert not set(lost) & set(SHAPES)
+    assert {"cheekPuff", "jawLeft", "mouthFrownRight"} <= set(lost)
 
 
 def test_spellings_of_arkit_are_one() -> None:

@@ -60,6 +60,8 @@ def check_file(options: argparse.Namespace, picture: Path | None) -> None:
         facts |= describe(reached.found)
         facts["doubts"] = doubts(reached.found, model)
         lines += _table(reached.found)
+    if facts.get("unexpressed"):
+        lines.append(f"  no shape expresses: {', '.join(facts['unexpressed'])}")
     lines += [f"  note: {note}" for note in facts["notes"]]
     lines += [f"  doubt: {doubt}" for doubt in facts["doubts"]]
     if reached.found is not None and picture is not None:
@@ -109,6 +111,7 @@ def measures(model: Model) -> dict[str, Any]:
 
 def describe(found: Import) -> dict[str, Any]:
     """What an import found, for --json."""
+    from mien.rig.acts import unexpressed
     from mien.rig.spoken import vocabulary_of
 
     character = found.character
@@ -135,6 +138,7 @@ def describe(found: Import) -> dict[str, Any]:
             }
             for act in sorted(found.acts, key=lambda act: act.name)
         ],
+        "unexpressed": list(unexpressed(character)),
         "notes": list(found.notes),
     }
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import nnls
 
 from mien.face.character import Character
 from mien.face.face import Array
@@ -27,6 +28,8 @@ _STILL = 0.6
 _CARRIED = 0.1
 """Part of what a shape moves farthest that its feature points move, to be an expression: what
 hides hair or ear rings carries them away."""
+_LOST = 0.87
+"""Part of a movement's length that is left where less than a quarter of it, squared, is shown."""
 _ONE_SIDED = 0.8
 """Part of its motion that a shape has on one side, to belong to it."""
 _SHUTS = 0.5
@@ -69,26 +72,23 @@ class Act:
 
 def measure(character: Character) -> tuple[Act, ...]:
     """What each of the character's key models does, in their order."""
-    if not character.keys.names:
-        return ()
-    face = character.face
-    ids = tuple(fdp for fdp in face.points.ids if fdp not in _NOT_SKIN)
+    face, keys = character.face, character.keys
     own = face.points.at(face.vertices)
-    motion = np.stack([face.points.at(field) for field in character.keys.displacements])
-    shuts = _shuts(character, own, motion)
-    rows = face.points.index(ids)
-    place, generic = own[rows], _generic(ids)
-    factors = scales(face.points.ids, _generic_rest(face.points.ids), own)[rows]
-    motion = motion[:, rows] * factors
+    raw = np.stack([face.points.at(field) for field in keys.displacements]) if keys.names else None
+    if raw is None:
+        return ()
+    shuts = _shuts(character, own, raw)
+    ids, motion, factor = _as_on_generic(character, raw)
+    place = own[face.points.index(ids)]
     effort = (motion**2).sum(axis=-1)
     regional = effort @ region_masks(face, place).T
     sided = effort @ side_masks(face, place).T
     total = np.maximum(effort.sum(axis=1), 1e-12)
     left, share = sided[:, 0] / total, regional / total[:, None]
-    likeness = _cosines(motion, generic)
+    likeness = _cosines(motion, _generic(ids))
     size = np.sqrt(effort.max(axis=1))
-    farthest = np.linalg.norm(character.keys.displacements, axis=2).max(axis=1, initial=0.0)
-    still = (size < _STILL) | (size < _CARRIED * farthest * float(factors.mean()))
+    farthest = np.linalg.norm(keys.displacements, axis=2).max(axis=1, initial=0.0)
+    still = (size < _STILL) | (size < _CARRIED * farthest * factor)
     return tuple(
         Act(
             name=name,
@@ -102,8 +102,37 @@ def measure(character: Character) -> tuple[Act, ...]:
             shuts=(float(shuts[k, 0]), float(shuts[k, 1])),
             still=bool(still[k]),
         )
-        for k, name in enumerate(character.keys.names)
+        for k, name in enumerate(keys.names)
     )
+
+
+def unexpressed(character: Character) -> tuple[str, ...]:
+    """Those of ARKit's movements, gaze apart, of which the character's examples together can show
+    less than a quarter (squared lengths), as the generic face makes them."""
+    points, keys = character.face.points, character.keys
+    if not character.examples:
+        return ()
+    rows = [keys.names.index(name) for name in character.examples]
+    ids, motion, _ = _as_on_generic(character, points.at(keys.displacements[rows]))
+    basis = motion.reshape(len(motion), -1).T
+    wanted = _generic(ids).reshape(len(SPOKEN), -1)
+    left = [nnls(basis, field)[1] / np.linalg.norm(field) for field in wanted]
+    return tuple(
+        name
+        for name, part in zip(SPOKEN, left, strict=True)
+        if part > _LOST and not name.startswith("eyeLook")
+    )
+
+
+def _as_on_generic(character: Character, motion: Array) -> tuple[tuple[str, ...], Array, float]:
+    """The points (P) on skin, the ``motion`` (K, P, 3) of them at the generic face's size, and the
+    mean of the factors that bring it there."""
+    points = character.face.points
+    ids = tuple(fdp for fdp in points.ids if fdp not in _NOT_SKIN)
+    rows = points.index(ids)
+    own = points.at(character.face.vertices)
+    factors = scales(points.ids, _generic_rest(points.ids), own)[rows]
+    return ids, motion[:, rows] * factors, float(factors.mean())
 
 
 def blinks(acts: tuple[Act, ...]) -> frozenset[str]:
