@@ -17,6 +17,7 @@ from mien.sculpt.transfer.opening import (
     STEP,
     Eye,
     Opening,
+    aimed,
     azimuths,
     ball_radius,
     eye_of,
@@ -35,6 +36,8 @@ _PASS = 0.06
 """Part of the opening by which lids that are shut pass each other: their edges are polygons."""
 _UPPER = (0.55, 0.95)
 """Least and greatest part of the way that the upper lid goes."""
+_TALL = (0.7, 1.2)
+"""Height over width of an eye's opening from which it is somewhat, and altogether, tall."""
 _ROUNDS = 3
 _ROOM = 2.2
 """How many times as far as its edge moves a lid must reach, that it may stretch and not fold."""
@@ -53,7 +56,8 @@ def close_lids(
     source's are by ``motion`` (K, S, 3); and what could not be done, in plain words."""
     made, notes = made.copy(), []
     for name in EYES:
-        theirs, ours = eye_of(source, name), eye_of(target, name)
+        theirs = aimed(eye_of(source, name), skin.vertices, skin.triangles)
+        ours = aimed(eye_of(target, name), own.vertices, own.triangles)
         before = see(theirs, skin.vertices, skin.triangles)
         rest = see(ours, own.vertices, own.triangles)
         if not before.area:
@@ -93,6 +97,7 @@ def _slide(
 ) -> Array:
     """``moved`` (N, 3) with the opening brought to 1 - ``shut`` of what it is at ``rest``."""
     gap = rest.upper - rest.lower
+    share -= (share - 0.5) * _tallness(rest)
     past = _PASS * gap if shut == 1.0 else 0.0
     upper = rest.upper - share * shut * gap - past
     lower = rest.lower + (1.0 - share) * shut * gap + past
@@ -105,6 +110,15 @@ def _slide(
             break
         moved = _warp(eye, posed, now, upper, lower, edge) - own.vertices
     return _off_the_ball(eye, own, moved, ball, edge)
+
+
+def _tallness(rest: Opening) -> float:
+    """0 for eyes of human shape, 1 for those that are taller than wide: their lids meet half-way,
+    for an upper lid that had to come all the way would drag the forehead with it."""
+    height = float(np.nanmax(rest.upper - rest.lower))
+    width = STEP * float(np.isfinite(rest.upper).sum())
+    low, high = _TALL
+    return float(np.clip((height / width - low) / (high - low), 0.0, 1.0))
 
 
 def _edge_distance(eye: Eye, own: Skin, rest: Opening) -> float:

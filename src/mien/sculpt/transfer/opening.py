@@ -27,6 +27,7 @@ _LIDS = {
 REACH = np.radians(80.0)
 """How far to every side of straight ahead it is looked."""
 CELLS = 160
+_AIMS = 2
 STEP = 2.0 * REACH / CELLS
 
 
@@ -68,6 +69,18 @@ def eye_of(face: Face, name: str) -> Eye:
     return Eye(centre, look_axes(ahead))
 
 
+def aimed(eye: Eye, vertices: Array, triangles: Ints) -> Eye:
+    """``eye`` turned to look through the middle of its opening: eyes of many animals look aside,
+    and a gap at the picture's rim could not be told from none."""
+    for _ in range(_AIMS):
+        free = _most_in_the_middle(~_covered(eye, vertices, triangles))
+        if not free.any():
+            return eye
+        aside = float(np.average(azimuths(), weights=free.sum(axis=0)))
+        eye = Eye(eye.centre, look_axes(np.sin(aside) * eye.axes[0] + np.cos(aside) * eye.axes[2]))
+    return eye
+
+
 def ball_radius(eye: Eye, face: Face, name: str) -> Array:
     """(CELLS, CELLS) mm from the middle of the eye to the eyeball's surface in every direction,
     rows from the lowest elevation up; 0 where there is none."""
@@ -107,7 +120,10 @@ def azimuths() -> Array:
 def see(eye: Eye, vertices: Array, triangles: Ints) -> Opening:
     """The opening of ``eye`` among a skin's ``vertices`` (V, 3) and ``triangles`` (T, 3)."""
     covered = _covered(eye, vertices, triangles)
-    free = _joined_to_middle(~covered)
+    free = _most_in_the_middle(~covered)
+    if free[0].any() or free[-1].any() or free[:, 0].any() or free[:, -1].any():
+        # A gap that runs out of the picture has no lids about it.
+        free = np.zeros_like(free)
     any_gap = free.any(axis=0)
     rows = np.arange(CELLS)
     lower = np.where(any_gap, np.argmax(free, axis=0) * STEP - REACH, np.nan)
@@ -132,17 +148,12 @@ def _screen(eye: Eye, vertices: Array, triangles: Ints) -> tuple[NDArray[np.floa
     return screen.astype(np.float32), np.asarray(ahead)
 
 
-def _joined_to_middle(free: Mask) -> Mask:
-    """The connected part of ``free`` that holds most of the middle of the picture; none where the
-    gap runs out of the picture, for then no lids are about it."""
+def _most_in_the_middle(free: Mask) -> Mask:
+    """The connected part of ``free`` that holds most of the middle of the picture; none where
+    nothing there is free."""
     number, count = label(free)
-    if not count:
-        return free
     third = CELLS // 3
-    middle = number[third:-third, third:-third]
-    sizes = np.bincount(middle.ravel(), minlength=count + 1)
+    sizes = np.bincount(number[third:-third, third:-third].ravel(), minlength=count + 1)
     sizes[0] = 0
     best = int(sizes.argmax())
-    chosen = np.asarray(number == best) if sizes[best] else np.zeros_like(free)
-    rim = chosen[0].any() or chosen[-1].any() or chosen[:, 0].any() or chosen[:, -1].any()
-    return np.zeros_like(free) if rim else chosen
+    return np.asarray(number == best) if sizes[best] else np.zeros_like(free)
