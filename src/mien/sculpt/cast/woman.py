@@ -102,7 +102,7 @@ def _fringe(scalp: Scalp) -> list[Form]:
     for side, roots in ((1, (4.0, 12.0)), (-1, (-4.0, -9.0))):
         # Under the first ones, where the scalp would show beside the parting.
         for root in roots:
-            course = [
+            course: list[tuple[float, float, float]] = [
                 (_PARTING + 0.3 * root, 70, 5),
                 (_PARTING + root, 60, 12),
                 (_PARTING + 2.6 * root + 4 * side, 50, 13),
