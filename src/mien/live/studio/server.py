@@ -130,8 +130,8 @@ class _Server:
         try:
             await _listen(socket, session, outbox)
         finally:
-            session.stop()
             sending.cancel()
+            await run_in_threadpool(session.stop)
             self._open -= 1
             with suppress(RuntimeError, WebSocketDisconnect):
                 await socket.close()

@@ -73,8 +73,9 @@ class Session:
         self._thread.start()
 
     def stop(self) -> None:
-        """Soon nothing is held any more."""
+        """End the work, and wait until nothing is held any more."""
         self._stop.set()
+        self._thread.join()
 
     def hear(self, message: Message) -> None:
         """What the page asks for. Raises InputError where it asks faster than can be done."""
