@@ -163,6 +163,14 @@ def test_what_is_inside_the_mouth_is_not_seen_from_outside() -> None:
     assert seen[nose]
 
 
+def test_what_an_artist_sculpted_stays() -> None:
+    man = built_in("man")
+    own = {"jawOpen": man.keys["jaw_open"]}
+    found = make(man.face, generic_face(), ("jawOpen", "mouthSmileLeft"), "man", own)
+    assert np.array_equal(found.character.keys["jawOpen"], man.keys["jaw_open"])
+    assert np.abs(found.character.keys["mouthSmileLeft"]).max() > 1.0
+
+
 def test_eyes_without_lids_are_told() -> None:
     toy = toy_character().face
     found = make(toy, generic_face(), ("eyeBlinkLeft",), "ball")

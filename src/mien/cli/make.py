@@ -22,7 +22,7 @@ def make_character(options: argparse.Namespace) -> None:
     from mien.face.store import write_character
     from mien.formats.glb import write_glb
     from mien.sculpt.transfer.make import make
-    from mien.sculpt.transfer.shapes import driven, shape_sets, source_of
+    from mien.sculpt.transfer.shapes import driven, sculpted, shape_sets, source_of
 
     writers: Mapping[str, Callable[[Path, Character], None]] = {
         ".npz": write_character,
@@ -39,7 +39,8 @@ def make_character(options: argparse.Namespace) -> None:
     chosen = shape_sets()[options.shapes]
     with results(output.parent) as claim:
         remark(options, f"laying {chosen.source} on {neutral.name}")
-        made = make(neutral.face, source_of(chosen), chosen.names, neutral.name)
+        kept = sculpted(neutral, chosen.names)
+        made = make(neutral.face, source_of(chosen), chosen.names, neutral.name, kept)
         writers[output.suffix.lower()](claim(output.name), driven(made.character, options.shapes))
     tell(
         options,
@@ -47,9 +48,11 @@ def make_character(options: argparse.Namespace) -> None:
             "file": str(output),
             "name": neutral.name,
             "shapes": list(made.character.keys.names),
+            "kept": list(kept),
             "notes": list(made.notes),
         },
-        f"{neutral.name}: {len(made.character.keys.names)} key models",
+        f"{neutral.name}: {len(made.character.keys.names)} key models"
+        + (f", {len(kept)} of them as they were sculpted" if kept else ""),
         *(f"  note: {note}" for note in made.notes),
         str(output),
     )

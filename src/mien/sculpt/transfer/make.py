@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mien.errors import InputError
 from mien.face.character import Character, KeyModels
@@ -26,10 +28,17 @@ class Made:
     """Plain sentences about what could not be made, or only doubtfully."""
 
 
-def make(target: Face, source: Character, shapes: Sequence[str], name: str) -> Made:
+def make(
+    target: Face,
+    source: Character,
+    shapes: Sequence[str],
+    name: str,
+    sculpted: Mapping[str, NDArray[np.floating[Any]]] | None = None,
+) -> Made:
     """Give ``target`` the key models ``shapes`` of ``source``.
 
-    Both in the head frame with feature points on their skins. Raises InputError where they share
+    What its artist has ``sculpted`` under one of those names (V, 3) mm stays as it is. Both faces
+    in the head frame with feature points on their skins. Raises InputError where they share
     too few points or where ``source`` lacks a shape.
     """
     missing = [shape for shape in shapes if shape not in source.keys.names]
@@ -47,5 +56,7 @@ def make(target: Face, source: Character, shapes: Sequence[str], name: str) -> M
     made, notes = close_lids(source.face, skin, motion, target, own, made)
     names = tuple(shapes)
     moved = move_parts(target, own, made, source, names, pair.similarity).astype(np.float32)
+    for shape, field in (sculpted or {}).items():
+        moved[names.index(shape)] = field
     keys = KeyModels(names, moved)
     return Made(Character(name, target, keys, names), notes)
