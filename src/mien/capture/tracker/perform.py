@@ -17,11 +17,19 @@ from mien.performance.performance import Performance
 
 Array = NDArray[np.float64]
 
-LANDMARKS = by_region(lips=0.95, lids=0.3, brows=0.2, cheeks=0.55, nose=0.15, chin=0.4, corners=0.3)
-SKIN = by_region(lips=0.2, lids=0.5, brows=0.9, cheeks=0.4, nose=1.3, chin=0.8, corners=0.5)
+LANDMARKS = by_region(lips=1.15, lids=0.3, brows=0.9, cheeks=0.55, nose=0.15, chin=0.4, corners=0.3)
+SKIN = by_region(lips=0.0, lids=0.5, brows=0.5, cheeks=0.4, nose=1.3, chin=0.8, corners=0.5)
 """(P,) what a point's motion owes to its landmark, and to the tracked surface. Lips have edges that
-the network knows; brows, nose and chin are skin, of which it tells little (see
+the network knows; nose and chin are skin, of which it tells little (see
 docs/decisions/tracker.md)."""
+_LIPS, _MOUTH = (
+    by_region(lips=1.0, lids=0.0, brows=0.0, cheeks=0.0, nose=0.0, chin=0.0, corners=0.0).astype(
+        bool
+    ),
+    0.4,
+)
+"""Skin says where the mouth is, and only landmarks what its lips do: of lips that are pressed, the
+skin around tells that they are open."""
 _DOUBT, _STEEP = 1.6, 4
 """Times the usual disagreement of looks at which half the confidence is gone, and how fast."""
 _LEAST = 0.1
@@ -54,7 +62,10 @@ def perform(
     )
     seen = motion_from_neutral(neutral, rays(track, known.focal)[~track.lost], fit) - offset
     skin = np.einsum("fk,pkx->fpx", fit.weights, _point_shapes(met))
-    motion = LANDMARKS[:, None] * seen[:, POINT_ROWS] + SKIN[:, None] * skin
+    points = seen[:, POINT_ROWS]
+    motion = LANDMARKS[:, None] * points + SKIN[:, None] * skin
+    lips = skin[:, _LIPS] - points[:, _LIPS]
+    motion[:, _LIPS] += _MOUTH * lips.mean(axis=1, keepdims=True)
     confidence = confidences(np.array([each.cost for each in found]))
     kept = hold(track.lost)
     return replace(
