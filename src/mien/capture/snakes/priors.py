@@ -23,6 +23,8 @@ _STRANGER = 0.1
 """How much less the shape of everybody's brow is trusted than the performer's own."""
 _LIPS = 0.0001
 """Lips stay where they were, but hardly: a mouth opens within a few frames."""
+_LIP_CORNERS = 0.002
+"""The mouth's corners stay about as far up between the lips as they are at rest."""
 _EVENNESS = 0.0005
 """The two halves of lids and lips differ as they do at rest."""
 
@@ -33,6 +35,7 @@ def _pick(points: list[int]) -> Array:
 
 
 _ENDS, _MIDDLES, _WHOLE = _pick([0, 1]), _pick([2, 3, 4, 5]), np.eye(12)
+_LIFTED = np.kron(np.array([[0.5, 0.5, -0.25, -0.25, -0.25, -0.25]]), np.array([[0.0, 1.0]]))
 _ALONG = np.eye(12)[[0, 2]]
 _THICKNESS = _pick([4, 5]) - _pick([2, 3])
 _SHAPE = np.eye(12) - np.kron(np.full((6, 6), 1.0 / 6.0), np.eye(2))
@@ -63,7 +66,9 @@ def prior(group: str, rest: Array, last: Array, known: bool) -> tuple[Array, Arr
         return _form(
             (shape, _SHAPE, rest), (thickness, _THICKNESS, rest), (_BROW_ALONG, _ALONG, rest)
         )
-    return _form((_LIPS, _WHOLE, last), (_EVENNESS, _EVEN, rest))
+    return _form(
+        (_LIPS, _WHOLE, last), (_EVENNESS, _EVEN, rest), (_LIP_CORNERS, _LIFTED, rest)
+    )
 
 
 def _form(*parts: tuple[float, Array, Array]) -> tuple[Array, Array]:
