@@ -17,8 +17,9 @@ _REACH = 0.8
 """Widths of an eye within which the middle of its ball lies from the middle of its lids."""
 _SIZES = (0.3, 2.0)
 """Radius of an eyeball in widths of its eye."""
-_EXTENTS = (1.2, 1.2, 0.8)
-"""Width, height and depth of what is modelled of an eyeball, at least, in its radii."""
+_EXTENTS = (0.8, 1.2, 0.8)
+"""Width, height and depth of what is modelled of an eyeball, at least, in its radii: eyes look
+ahead or aside, and half a ball is enough; lashes are not as high."""
 _WITHIN = 1.1
 """Radii from its middle within which lies what belongs to an eyeball: corneas bulge."""
 _FEWEST = 12
