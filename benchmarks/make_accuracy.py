@@ -282,6 +282,8 @@ def still_seen(face: Face, name: str) -> float:
     keys = make(face, generic_face(), both, name).character.keys
     shut = face.vertices + keys.displacements.astype(float).sum(axis=0)
     before, after = eyeball_pixels(face, face.vertices), eyeball_pixels(face, shut)
+    if not any(before):
+        raise SystemExit(f"{name}: no eyeballs were found on import; nothing can be judged")
     return 100.0 * max(a / b for a, b in zip(after, before, strict=True) if b > 0)
 
 
