@@ -212,6 +212,7 @@ _KEYS = repertoire(
         "lower_thick": 0.9,
     },
     fear={**TOLD_APART["fear"], "upper_lip": (0, 2.2, 0), "lower_lip": (0, -1.8, 0)},
+    anger={"upper_thick": 0.92, "lower_thick": 0.92},
     pucker={"pucker": 9.0},
     jaw_open={
         "narrow": 0.2,
