@@ -66,9 +66,7 @@ def prior(group: str, rest: Array, last: Array, known: bool) -> tuple[Array, Arr
         return _form(
             (shape, _SHAPE, rest), (thickness, _THICKNESS, rest), (_BROW_ALONG, _ALONG, rest)
         )
-    return _form(
-        (_LIPS, _WHOLE, last), (_EVENNESS, _EVEN, rest), (_LIP_CORNERS, _LIFTED, rest)
-    )
+    return _form((_LIPS, _WHOLE, last), (_EVENNESS, _EVEN, rest), (_LIP_CORNERS, _LIFTED, rest))
 
 
 def _form(*parts: tuple[float, Array, Array]) -> tuple[Array, Array]:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from mien.capture import lids
 from mien.capture.headfit import HeadFit, motion_from_neutral
 from mien.capture.landmarks import USUAL_FOCAL, WORLD_FROM_CAMERA
-from mien.capture.snakes.features import MOUTH, ROW
+from mien.capture.snakes.features import MOUTH, ROW, usual_features
 from mien.capture.snakes.lens import height
 from mien.capture.snakes.points import MM, POINTS, places
 from mien.capture.snakes.track import CurveTrack
@@ -60,7 +60,7 @@ class Calibration:
 
 def resting(track: CurveTrack, neutral: tuple[float, float] | None = None) -> NDArray[np.intp]:
     """Frames in which the face rests: those of the seconds named, or the stretch that is quiet,
-    shut, open-eyed and near what the face mostly is; rather early than late.
+    shut, open-eyed, near what the face mostly is and what faces mostly are; rather early.
 
     Raises InputError where no face is seen in the seconds named.
     """
@@ -78,7 +78,13 @@ def resting(track: CurveTrack, neutral: tuple[float, float] | None = None) -> ND
     away = np.abs(lenses - np.median(lenses, axis=0)).mean(axis=(1, 2, 3))
     opening = track.opening[seen].mean(axis=1)
     wide = np.quantile(opening, 0.8)
-    score = away + 0.3 * height(lenses[:, MOUTH]) + 3.0 * track.missed[seen].mean(axis=1)
+    strange = np.abs(lenses[:, :MOUTH] - usual_features()).mean(axis=(1, 2, 3))
+    score = (
+        0.5 * away
+        + strange
+        + 0.3 * height(lenses[:, MOUTH])
+        + 3.0 * track.missed[seen].mean(axis=1)
+    )
     score += np.clip(0.7 * wide - opening, 0.0, None)
     pace = float(np.median(np.diff(time))) if len(time) > 1 else _WINDOW
     window = min(len(seen), max(1, round(_WINDOW / max(pace, 1e-3))))
