@@ -137,8 +137,6 @@ def _loader(options: argparse.Namespace) -> Callable[[Path], tuple[Mesh, ScanPoi
 
 
 def _from_folder(options: argparse.Namespace) -> Databank:
-    from mien.face.databank import Databank
-    from mien.rig.importer import import_character
+    from mien.recipe import load_databank
 
-    found = import_character(options.from_folder, units=options.units).character
-    return Databank(found.name, found.face, found.keys.names, found.keys.displacements)
+    return load_databank(options.from_folder)

@@ -23,6 +23,9 @@ from mien.errors import InputError, NoFaceError
 from mien.face.face import Array, Face
 from mien.face.library import generic_face
 from mien.face.mesh import Mesh
+from mien.formats.lengths import UNITS
+from mien.formats.scans import AXES as _AXES
+from mien.formats.scans import stand
 from mien.numeric import rbf
 from mien.numeric.facing import ClosestPoints
 from mien.numeric.procrustes import Similarity, align, rigid_part
@@ -35,7 +38,7 @@ from mien.vocabulary.landmarks import FACE_LANDMARKS, feature_points
 Detect = Callable[[Picture], NDArray[np.float32] | None]
 """Landmarks (N, 3) of a picture in pixels, or None: the detector, which is not this room's."""
 
-_SIZE = 640
+_SIZE, _GLANCE = 640, 320
 _FRONTS = ((0.0, 0.0), (0.4, 0.0), (-0.4, 0.0), (0.0, 0.3), (0.0, -0.3), (0.7, 0.0), (-0.7, 0.0))
 """Yaw and pitch from which a face is first looked for."""
 _CLOSER = (1.15, 0.75, 0.5)
@@ -43,8 +46,8 @@ _CLOSER = (1.15, 0.75, 0.5)
 _VIEWS = (0.0, 0.25, -0.25, 0.5, -0.5)
 _FRAME = 250.0
 """mm of the head that fill the later pictures, on a face as large as the generic one."""
-_RING = 1.5
-"""mm about a ray within which its surface is looked for."""
+_RING = 0.006
+"""Of a picture's height: about a ray within which its surface is looked for."""
 _FACING = 0.25
 """Least cosine between the skin and a ray that lifts a landmark onto it."""
 _ASTRAY = 6.0
@@ -56,6 +59,9 @@ _EDGES = ("2.", "3.", "8.")
 _CHIN = ("2.1", "2.10")
 _FIELD = 0.3
 """Smoothing of the field from reference to scan."""
+_STRANGE = 9.0
+"""mm by which half of the landmarks may be off the generic face's: people are by 6, what the
+detector makes of a face upside down by 12."""
 _UPRIGHT = 0.6
 """Least cosine between a head's axes and those of the scan."""
 _GIANT, _PUPILS = 1.6, 63.0
@@ -105,7 +111,13 @@ class PointFinder:
         ``unit``, the millimetres in the file's unit, is for the message where it is wrong. Raises
         NoFaceError where no face is seen, InputError where it lies or has the size of no head.
         """
-        seen, pose = _landmarks(mesh, self._detect)
+        try:
+            seen, pose = _landmarks(mesh, self._detect)
+            strange = _strangeness(_in_head(pose, seen))
+        except NoFaceError:
+            strange = np.inf
+        if strange > _STRANGE:
+            raise NoFaceError(_how_it_stands(mesh, self._detect))
         _require_head(pose, unit)
         # In the head's own axes and size the detector errs alike on both.
         head = _in_head(pose, seen)
@@ -126,13 +138,66 @@ def _require_head(pose: Similarity, unit: float) -> None:
     if above[1] < _UPRIGHT or ahead[2] < _UPRIGHT:
         raise InputError(
             "the face does not stand upright and look along +z; say how it does, likely "
-            f"--up {_axis_along(above)} --front {_axis_along(ahead)}"
+            f"--up={_axis_along(above)} --front={_axis_along(ahead)}"
         )
     if not 1.0 / _GIANT < pose.scale < _GIANT:
         raise InputError(
             f"its pupils would be {_PUPILS * pose.scale:.3g} mm apart; say --units, likely "
-            f"--units {unit / pose.scale:.3g} (mm in a unit of the file)"
+            f"--units {_unit_about(unit / pose.scale)}"
         )
+
+
+def _strangeness(places: Array) -> float:
+    """Median distance of landmarks (468, 3), in the head's axes and size, from the generic ones."""
+    apart = np.linalg.norm(places - generic_face().face.vertices[:FACE_LANDMARKS], axis=1)
+    return float(np.nanmedian(apart))
+
+
+def _how_it_stands(mesh: Mesh, detect: Detect) -> str:
+    """What to say of a scan in which no face is seen upright: how it stands, if some way shows
+    one."""
+    ways = {(up, front): _glance(mesh, detect, up, front) for up in _AXES for front in _AXES}
+    up, front = min(ways, key=lambda way: ways[way])
+    if ways[up, front] > _STRANGE:
+        return (
+            "no face is seen on it from any side; write its points into a file SCAN.points.toml "
+            "beside it"
+        )
+    return (
+        "no face stands upright on it and looks along +z; say how it stands, likely "
+        f"--up={up} --front={front}"
+    )
+
+
+def _glance(mesh: Mesh, detect: Detect, up: str, front: str) -> float:
+    """Strangeness of the face on one picture of the scan stood so; infinite where there is none."""
+    if up[1] == front[1]:
+        return np.inf
+    surface = Surface(replace(mesh, vertices=mesh.vertices @ stand(up, front).T))
+    generic = generic_face().face.vertices[:FACE_LANDMARKS]
+    low, high = surface.mesh.vertices.min(axis=0), surface.mesh.vertices.max(axis=0)
+    tall = float(high[1] - low[1])
+    middle = tuple(((low + high) / 2.0).tolist())
+    camera = Camera(0.0, 0.0, 1.15 * tall, middle, (_GLANCE, _GLANCE), 6.0 * tall)
+    marks = detect(draw(drawable(surface.mesh), camera))
+    if marks is None:
+        return np.inf
+    places, facing = lift(marks[:FACE_LANDMARKS, :2].astype(float), camera, surface)
+    good = facing > _FACING
+    if good.sum() < FACE_LANDMARKS // 2:
+        return np.inf
+    pose = _robust_pose(generic[good], places[good])
+    if pose.rotation[1, 1] < _UPRIGHT or pose.rotation[2, 2] < _UPRIGHT:
+        return np.inf
+    return _strangeness(_in_head(pose, np.where(good[:, None], places, np.nan)))
+
+
+def _unit_about(millimetres: float) -> str:
+    """The unit of a name that is about so long, else the number."""
+    for name in ("mm", "cm", "m"):
+        if 1.0 / _GIANT < UNITS[name] / millimetres < _GIANT:
+            return name
+    return f"{millimetres:.3g} (mm in a unit of the file)"
 
 
 def _axis_along(direction: Array) -> str:
@@ -196,10 +261,7 @@ def _first_pose(surface: Surface, detect: Detect, generic: Array) -> Similarity:
             good = facing > _FACING
             if good.sum() > FACE_LANDMARKS // 2:
                 return _robust_pose(generic[good], places[good])
-    raise NoFaceError(
-        "no face is seen from the front; if the scan lies on its side or looks away, say how it "
-        "stands with --up and --front, or give the points yourself with --points"
-    )
+    raise NoFaceError("no face is seen from the front")
 
 
 def _robust_pose(generic: Array, places: Array) -> Similarity:
@@ -212,18 +274,18 @@ def lift(marks: Array, camera: Camera, surface: Surface) -> tuple[Array, Array]:
     """Places (N, 3) of ``surface`` seen at pixels ``marks`` (N, 2), not a number where there is
     none, and the cosine (N,) between its normal and the ray; 0 where there is none.
 
-    What is nearest within a millimetre and a half counts: a mark may fall into a hole, or beside
+    What is nearest within a ring about the ray counts: a mark may fall into a hole, or beside
     the edge of a lip.
     """
     eye = np.asarray(camera.centre) + camera.distance * camera.axes()[2]
-    ring = _RING * camera.size[1] / camera.height * _around()
+    ring = _RING * camera.size[1] * _around()
     around = marks[None] + ring[:, None]
     toward = np.concatenate([around, np.ones((*around.shape[:2], 1))], axis=2) @ camera.rays()
     toward /= np.linalg.norm(toward, axis=2, keepdims=True)
     hits = surface.hits(np.broadcast_to(eye, toward.shape).reshape(-1, 3), -toward.reshape(-1, 3))
     distance = hits.distance.reshape(around.shape[:2])
     first = distance.min(axis=0)
-    near = distance < first + 2.0 * _RING
+    near = distance < first + 2.0 * _RING * camera.height
     normals = np.einsum("rnx,rn->nx", surface.normals[hits.triangle].reshape(toward.shape), near)
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-9)
     with np.errstate(invalid="ignore"):
