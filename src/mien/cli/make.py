@@ -40,18 +40,18 @@ def make_character(options: argparse.Namespace) -> None:
     with results(output.parent) as claim:
         remark(options, f"laying {chosen.source} on {neutral.name}")
         kept = sculpted(neutral, chosen.names)
-        made = make(neutral.face, source_of(chosen), chosen.names, neutral.name, kept)
+        made = make(neutral.face, source_of(chosen), chosen.names, output.stem, kept)
         writers[output.suffix.lower()](claim(output.name), driven(made.character, options.shapes))
     tell(
         options,
         {
             "file": str(output),
-            "name": neutral.name,
+            "name": output.stem,
             "shapes": list(made.character.keys.names),
             "kept": list(kept),
             "notes": list(made.notes),
         },
-        f"{neutral.name}: {len(made.character.keys.names)} key models"
+        f"{output.stem}: {len(made.character.keys.names)} key models"
         + (f", {len(kept)} of them as they were sculpted" if kept else ""),
         *(f"  note: {note}" for note in made.notes),
         str(output),
