@@ -15,6 +15,13 @@ import numpy as np
 from mien.capture.detector import Detector
 from mien.capture.landmarks import Calibration, calibrate, perform
 from mien.capture.neutral import ground
+from mien.capture.snakes.points import depths
+from mien.capture.snakes.reading import Calibration as CurveCalibration
+from mien.capture.snakes.reading import calibrate as calibrate_curves
+from mien.capture.snakes.reading import perform as perform_curves
+from mien.capture.snakes.stepper import SnakeCapture
+from mien.capture.snakes.track import Gathering
+from mien.capture.snakes.watch import trace_of
 from mien.capture.track import KEPT, LandmarkTrack
 from mien.face.library import generic_face
 from mien.performance.frame import Frame
@@ -61,7 +68,7 @@ class LandmarkStepper:
         found = self._detector.landmarks(frame.image, KEPT)
         if found is None:
             self.trace = Trace(lost=True)
-            return self._lost(frame.time)
+            return _lost(self._last, frame.time)
         self.trace = Trace(points=found[:, :2].astype(float))
         size = (frame.image.shape[1], frame.image.shape[0])
         now = LandmarkTrack(np.array([frame.time]), found[None], np.zeros(1, dtype=bool), size)
@@ -93,13 +100,57 @@ class LandmarkStepper:
         self._seen = []
         return True
 
-    def _lost(self, time: float) -> Performance | None:
-        if self._last is None:
-            return None
-        return replace(
-            self._last, time=np.array([time]), confidence=np.zeros(1), lost=np.ones(1, dtype=bool)
-        )
+
+class SnakeStepper:
+    """The curves, frame by frame."""
+
+    def __init__(self, known: CurveCalibration | None = None, focal: float | None = None) -> None:
+        """``known`` from an earlier take of the same performer and camera; ``focal`` in pixels."""
+        self._depth = depths(generic_face())
+        self._focal = focal
+        self._known = known
+        self._capture = SnakeCapture()
+        self._seen, self._since = Gathering(), 0.0
+        self._last: Performance | None = None
+        self.trace = Trace()
+
+    def step(self, frame: Frame) -> Performance | None:
+        """See Stepper."""
+        seen = self._capture.step(frame.image)
+        self.trace = trace_of(seen)
+        if seen is None:
+            return _lost(self._last, frame.time)
+        size = (frame.image.shape[1], frame.image.shape[0])
+        if self._known is None:
+            self._since = self._since if len(self._seen) else frame.time
+            self._seen.add(frame.time, seen)
+            if len(self._seen) < _LEAST_FRAMES or frame.time - self._since < LEARNING:
+                return None
+            whole, span = self._seen.track(size), (self._since, frame.time)
+            self._known = calibrate_curves(whole, self._depth, neutral=span, focal=self._focal)
+        now = Gathering()
+        now.add(frame.time, seen)
+        self._last = perform_curves(now.track(size), self._known, "live")
+        return self._last
+
+    def learn(self) -> None:
+        """See Stepper."""
+        self._known, self._seen, self._last = None, Gathering(), None
+        self._capture = SnakeCapture()
+
+    def close(self) -> None:
+        """See Stepper."""
 
 
-STEPPERS: Mapping[str, Callable[[], Stepper]] = {"landmarks": LandmarkStepper}
+def _lost(last: Performance | None, time: float) -> Performance | None:
+    """The last look, marked as lost."""
+    if last is None:
+        return None
+    return replace(last, time=np.array([time]), confidence=np.zeros(1), lost=np.ones(1, dtype=bool))
+
+
+STEPPERS: Mapping[str, Callable[[], Stepper]] = {
+    "landmarks": LandmarkStepper,
+    "snakes": SnakeStepper,
+}
 """Captures that can be stepped, by the name of the capture."""
