@@ -5,7 +5,7 @@
     S    = S_id + sum w_k D_k             that person's expression, w_k ~ N(0, spread_k²)
 
 [C] §2.1 calls this the prior p(X), §2.2 S_exp = S_id + dS. The generic face's own space ships with
-mien; ``read_shape_space`` makes one from any set of meshes that share their topology.
+mien; ``face.databank.shape_space`` makes one of a person whose faces were scanned.
 """
 
 from __future__ import annotations

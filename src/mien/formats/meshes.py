@@ -50,7 +50,7 @@ def sound_mesh(
         raise FormatError(
             f"{path}: a face names a vertex that is not among the {len(vertices)}; export it again"
         )
-    known = (np.abs(vertices) < _FARTHEST).all(axis=1)
+    known = np.asarray((np.abs(vertices) < _FARTHEST).all(axis=1))
     a, b, c = triangles.T
     keep = known[triangles].all(axis=1) & (a != b) & (b != c) & (c != a)
     if not keep.any():
