@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+import cv2
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -12,14 +13,16 @@ from mien.capture import CAPTURES, CaptureSettings
 from mien.capture.known import curve_calibration
 from mien.capture.learn import drawn_lenses
 from mien.capture.snakes.features import NAMES, ROW, usual_lenses
-from mien.capture.snakes.lens import height
+from mien.capture.snakes.lens import height, outline
 from mien.capture.snakes.patch import Placement
 from mien.capture.snakes.regions import means, subareas
+from mien.capture.snakes.settle import Expected, settle
 from mien.capture.snakes.stepper import Appearance, SnakeCapture
 from mien.capture.snakes.training import GROUPS, teach
 from mien.errors import FormatError, NoFaceError
 from mien.face.animate import Poser
 from mien.face.library import load_character
+from mien.numeric.rotation import from_vector
 from mien.performance.frame import Frame
 from mien.performance.performer import Performer
 from mien.performance.trace import Trace
@@ -129,6 +132,18 @@ def test_a_known_performer_is_read_alike_frame_by_frame(film: list[Picture]) -> 
         assert seen is not None
         assert np.array_equal(again.lenses, seen.lenses)
         assert np.array_equal(again.placement.matrix, seen.placement.matrix)
+
+
+@pytest.mark.parametrize(("lean", "lost"), [(0.0, False), (20.0, False), (50.0, True)])
+def test_a_shadow_between_fingers_is_no_mouth(lean: float, lost: bool) -> None:
+    rest = usual_lenses()["lips"]
+    middle, corner = rest.mean(axis=0), np.array([-80.0, 70.0])
+    turn = from_vector(np.array([0.0, 0.0, np.radians(lean)]))[:2, :2]
+    leaning = middle + (rest - middle) @ turn.T
+    mask = np.zeros((140, 160), np.uint8)
+    cv2.fillPoly(mask, [np.round(outline(leaning) - corner).astype(np.int32)], 1)
+    expected = Expected(rest, leaning, known=True, lost=False)
+    assert settle("lip", mask.astype(np.float32), corner, expected).lost == lost
 
 
 def test_networks_are_taught_from_known_features(film: list[Picture]) -> None:

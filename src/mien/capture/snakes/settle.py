@@ -35,6 +35,9 @@ _FARTHEST = {"brow": 26.0, "eye": 14.0, "lip": 45.0}
 """Patch units from its place at rest beyond which no feature goes."""
 _TALLEST = {"brow": 32.0, "eye": 36.0, "lip": 105.0}
 _WIDEST = {"brow": 100.0, "eye": 66.0, "lip": 115.0}
+_MOST_LEAN = np.cos(np.radians(35.0))
+"""Of the line between the ends from that at rest. Mouths of grimaces lean up to 32 degrees, shadows
+between the fingers of a hand 50: they have the darkness and the edges of a mouth, but not this."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,7 +124,12 @@ def _starts(group: str, field: Field, corner: Array, expected: Expected) -> Sequ
 
 def _wild(group: str, lens: Array, rest: Array) -> bool:
     away = float(np.linalg.norm(lens.mean(axis=0) - rest.mean(axis=0)))
-    wide = float(np.linalg.norm(lens[1] - lens[0]))
+    chord, resting = lens[1] - lens[0], rest[1] - rest[0]
+    wide = float(np.linalg.norm(chord))
+    along = float(chord @ resting) / max(wide * float(np.linalg.norm(resting)), 1e-9)
     return bool(
-        away > _FARTHEST[group] or tallness(lens) > _TALLEST[group] or wide > _WIDEST[group]
+        away > _FARTHEST[group]
+        or tallness(lens) > _TALLEST[group]
+        or wide > _WIDEST[group]
+        or along < _MOST_LEAN
     )
