@@ -40,7 +40,16 @@ _RING = 0.14
 """Depth of the lips' own colour inside their outline, in heights."""
 _STRIP, _HAIRY = 6.0, 0.2
 """Patch units above the lips, and ln(V of the skin / V) from which hair grows there."""
+_PINKEST, _LEAST_PINK, _LIT, _BLUE = 0.85, 1.12, 0.85, 0.88
+"""A tongue has at most this share of the magenta of the reddest quarter of the mouth and at least
+that of the skin's, this share of the lips' brightness, and this much blue for its green: skin
+and lit lips have less."""
+_LIP = 0.3
+"""Share of the mouth's height that its lower lip takes."""
+_TONGUE = (0.04, 0.12)
+"""Shares of the mouth that tongue takes where it is in and where it is plainly out."""
 _MARGIN = np.ones((3, 3), np.uint8)
+_SPECK = np.ones((2, 2), np.uint8)
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +69,7 @@ class Opening:
     teeth: float
     """Share of the lips' outline that is teeth."""
     tongue: float
-    """Share of the opening that is neither dark nor teeth."""
+    """How far the tongue is out, 0..1."""
 
 
 def lip_colour(lens: Array, value: Field, magenta: Field, corner: Array) -> LipColour:
@@ -82,6 +91,29 @@ def inside_masks(value: Field, magenta: Field, lips: LipColour) -> tuple[Mask, M
     return dark.astype(np.uint8), teeth.astype(np.uint8)
 
 
+def tongue_out(
+    lips: Array, mouth: LipColour, value: Field, magenta: Field, blue: Field, corner: Array
+) -> float:
+    """How far the tongue is out, 0..1: pale and pink, under dark and above no teeth, and not where
+    the lower lip is; ``blue`` is B / G."""
+    dark, teeth = inside_masks(value, magenta, mouth)
+    within = np.asarray(cv2.erode(filled(lips, corner, value.shape), _MARGIN), np.uint8)
+    if not (dark & within).any():
+        return 0.0
+    above_lip = np.zeros_like(within)
+    rise = min(max(round(_LIP * float(height(lips))), 0), len(within))
+    above_lip[: len(within) - rise] = within[rise:]
+    reddest = float(np.quantile(magenta[within > 0], 0.75))
+    pink = (magenta > _LEAST_PINK * MAGENTA_SKIN) & (magenta < _PINKEST * reddest)
+    pink &= (value > _LIT * mouth.value) & (blue > _BLUE)
+    pale = cv2.morphologyEx(pink & within & above_lip, cv2.MORPH_OPEN, _MARGIN)
+    black = cv2.morphologyEx(dark & within, cv2.MORPH_OPEN, _SPECK)
+    under = np.maximum.accumulate(black, axis=0)
+    over_teeth = np.maximum.accumulate((teeth & within)[::-1], axis=0)[::-1]
+    share = float((pale & under & (1 - over_teeth)).sum()) / float(within.sum())
+    return float(np.clip((share - _TONGUE[0]) / (_TONGUE[1] - _TONGUE[0]), 0.0, 1.0))
+
+
 def moustache(lips: Array, value: Field, corner: Array) -> bool:
     """Whether what is above the lips (6, 2) is darker than skin: dark is no sign then."""
     strip = upper_curve(lips, 15)[3:-3] - np.array([0.0, _STRIP])
@@ -97,7 +129,9 @@ def filled(lens: Array, corner: Array, shape: tuple[int, int]) -> Mask:
     return mask
 
 
-def find_opening(lips: Array, value: Field, dark: Mask, teeth: Mask, corner: Array) -> Opening:
+def find_opening(
+    lips: Array, value: Field, dark: Mask, teeth: Mask, tongue: float, corner: Array
+) -> Opening:
     """The inner lips inside the outer ones ``lips`` (6, 2)."""
     within: Mask = np.asarray(cv2.erode(filled(lips, corner, value.shape), _MARGIN), np.uint8)
     seen = cv2.morphologyEx((dark | teeth) & within, cv2.MORPH_OPEN, _MARGIN)
@@ -108,11 +142,8 @@ def find_opening(lips: Array, value: Field, dark: Mask, teeth: Mask, corner: Arr
         lens = _hull_lens(hull) + corner
         wide = float(np.ptp(hull[:, 0])) > _WIDE * float(lips[1, 0] - lips[0, 0])
         if wide and height(lens) >= _SLIT:
-            whole = np.zeros_like(seen)
-            cv2.fillPoly(whole, [hull.astype(np.int32)], 1)
-            neither = 1.0 - float(seen.sum()) / max(float(whole.sum()), 1.0)
-            return Opening(lens, share, neither)
-    return Opening(_slit(lips, value, corner), share, 0.0)
+            return Opening(lens, share, tongue)
+    return Opening(_slit(lips, value, corner), share, tongue)
 
 
 def _hull_lens(hull: Array) -> Array:

@@ -30,6 +30,7 @@ from mien.capture.snakes.mouth import (
     inside_masks,
     lip_colour,
     moustache,
+    tongue_out,
 )
 from mien.capture.snakes.patch import EYES, Picture, Placement
 from mien.capture.snakes.pose import RESTING, Pose, fit_pose
@@ -219,7 +220,10 @@ class SnakeCapture:
             lost[row], contrast[row] = settled.lost, settled.contrast
             if not settled.lost or strange:
                 lenses[row] = settled.lens
-        opening, lips = inside.opening(lenses[_LIPS])
+        if lost[_LIPS] and not strange:
+            opening, lips = Opening(lenses[MOUTH], 0.0, 0.0), inside.lips
+        else:
+            opening, lips = inside.opening(lenses[_LIPS])
         lenses[MOUTH] = opening.lens
         return Seen(
             start.placement,
@@ -246,8 +250,9 @@ class _Inside:
         self._corner = corner_of(feature)
         self._value = look.value[top:bottom, left:right]
         self._magenta = magenta(look.patch, look.gains, feature.box)
+        self._colours, self._gains = look.patch[top:bottom, left:right], look.gains
         self._expected = expected
-        self._lips = self._colour(expected) if last is None else last.lips
+        self.lips = self._colour(expected) if last is None else last.lips
 
     def _colour(self, outline: Array) -> LipColour:
         return lip_colour(outline, self._value, self._magenta, self._corner)
@@ -256,7 +261,7 @@ class _Inside:
         """``field`` of the lips with the open mouth inside them filled: a wide mouth has a thin
         ring for lips. A moustache is as dark as a mouth, so under one it must not spread."""
         hairy = moustache(self._expected, self._value, self._corner)
-        dark, teeth = inside_masks(self._value, self._magenta, self._lips)
+        dark, teeth = inside_masks(self._value, self._magenta, self.lips)
         near = filled(self._expected, self._corner, field.shape)
         if not hairy:
             near = np.asarray(cv2.dilate(near, _GROWN), dtype=np.uint8)
@@ -266,7 +271,10 @@ class _Inside:
         """The opening inside the outline that was found, and the lips' colour there."""
         lips = self._colour(outline)
         dark, teeth = inside_masks(self._value, self._magenta, lips)
-        return find_opening(outline, self._value, dark, teeth, self._corner), lips
+        green = np.maximum(self._colours[..., 1] * self._gains[1], 0.25)
+        blue = self._colours[..., 2] * self._gains[2] / green
+        tongue = tongue_out(outline, lips, self._value, self._magenta, blue, self._corner)
+        return find_opening(outline, self._value, dark, teeth, tongue, self._corner), lips
 
 
 def _grey(patch: Picture) -> Picture:

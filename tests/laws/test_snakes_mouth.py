@@ -1,0 +1,74 @@
+"""What shows between the lips: tongue is told from teeth and dark, and "not seen" from zero."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from mien.capture import CAPTURES, CaptureSettings
+from mien.capture.snakes.features import usual_lenses
+from mien.capture.snakes.mouth import LipColour, filled, tongue_out
+from mien.capture.snakes.stepper import SnakeCapture
+from mien.face.library import load_character
+from mien.performance.frame import Frame
+from mien.view.camera import Camera
+from mien.view.renderer import Renderer
+
+SKIN, LIP, DARK = (200.0, 150.0, 125.0), (170.0, 80.0, 82.0), (45.0, 25.0, 25.0)
+TONGUE, TEETH = (180.0, 115.0, 115.0), (215.0, 190.0, 175.0)
+
+
+def mouth(inner: tuple[float, float, float], low: tuple[float, float, float]) -> float:
+    """The measure on a painted mouth: dark above, ``inner`` and ``low`` below one another."""
+    lips = usual_lenses()["lips"]
+    lips = lips.mean(axis=0) + (lips - lips.mean(axis=0)) * np.array([1.0, 2.5])
+    corner, shape = np.array([-70.0, 60.0]), (130, 140)
+    colour = np.empty((*shape, 3))
+    colour[:] = SKIN
+    colour[filled(lips, corner, shape) > 0] = LIP
+    rows, columns = (np.round(lips.mean(axis=0) - corner)[::-1]).astype(int)
+    across = slice(columns - 22, columns + 23)
+    for first, last, paint in ((-14, -6, DARK), (-6, 4, inner), (4, 9, low)):
+        colour[rows + first : rows + last, across] = paint
+    value = colour.max(axis=2).astype(np.float32)
+    magenta = (1.0 - colour[..., 1] / value).astype(np.float32)
+    blue = (colour[..., 2] / colour[..., 1]).astype(np.float32)
+    own = LipColour(LIP[0], 1.0 - LIP[1] / LIP[0])
+    return tongue_out(lips, own, value, magenta, blue, corner)
+
+
+@pytest.mark.parametrize(
+    ("inner", "low", "out"),
+    [
+        (TONGUE, TONGUE, True),
+        (TONGUE, TEETH, False),
+        (TEETH, TEETH, False),
+        (DARK, DARK, False),
+        (LIP, LIP, False),
+        (SKIN, SKIN, False),
+    ],
+)
+def test_a_tongue_is_pale_pink_under_dark_and_above_no_teeth(
+    inner: tuple[float, float, float], low: tuple[float, float, float], out: bool
+) -> None:
+    assert (mouth(inner, low) > 0.5) == out
+
+
+def test_a_covered_mouth_is_marked_and_keeps_its_place() -> None:
+    bare = Renderer(load_character("man").face).render(
+        load_character("man").face.vertices, Camera(size=(256, 256))
+    )
+    first = SnakeCapture().step(bare)
+    assert first is not None
+    middle = first.placement.to_frame(np.array([[0.0, 105.0]]))[0].astype(int)
+    covered = bare.copy()
+    covered[middle[1] - 22 : middle[1] + 40, middle[0] - 45 : middle[0] + 46] = bare[
+        tuple(first.placement.to_frame(np.array([[50.0, 50.0]]))[0].astype(int)[::-1])
+    ]
+    frames = [Frame(picture, i / 30.0) for i, picture in enumerate([bare] * 4 + [covered] * 4)]
+    performance = CAPTURES["snakes"](iter(frames), CaptureSettings(), "film")
+    seen = performance.scalars["mouth_seen"]
+    assert seen.tolist() == [1.0] * 4 + [0.0] * 4
+    assert (performance.confidence[4:] < performance.confidence[:4].min()).all()
+    assert not performance.lost.any()
+    assert np.abs(performance.motion[4:] - performance.motion[3]).max() < 1.5
