@@ -30,6 +30,7 @@ from mien.formats.mp4 import Sound, write_mp4
 from mien.formats.obj_read import read_obj
 from mien.formats.own_file import read_pairs
 from mien.formats.performer_file import read_performer, write_performer
+from mien.formats.recording import read_recording
 from mien.formats.rectangles import read_rectangles
 from mien.formats.sources import open_source
 from mien.formats.video import Video
@@ -76,6 +77,7 @@ def _write_arkit(performance: Performance, path: Path) -> None:
 
 READERS: Mapping[str, Callable[[Path], Performance]] = {
     ".mien": read_performance,
+    ".take": read_recording,
     ".csv": read_livelink,
     ".fap": _read_fap,
 }

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 TAKES = (
     "a video, a folder of images, camera:0 (with --end), markers (.c3d, .trc, .csv), a .mien file, "
-    "a Live Link Face .csv or an MPEG-4 .fap"
+    "a live recording (.take), a Live Link Face .csv or an MPEG-4 .fap"
 )
 CUT_OPTIONS = ("start", "end", "mirror", "rate", "neutral", "focal", "performer", "overlay")
 """Options that say how a recording is looked at."""
