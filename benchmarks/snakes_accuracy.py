@@ -8,7 +8,8 @@ Mean distance between curve and contour, both ways, in percent of the distance o
 frames with a head yaw below 15 degrees. Contours are the landmark networks' on the same frames;
 the projected 68 points of a rendered truth (brows: one line); or points placed by hand
 (points.json in the folder), each photo from nothing, medians. Lost: beyond 12 (brows, lips) or 8
-(lids). --light repeats the take under synthetic light.
+(lids). --light repeats the take under synthetic light that sets in after the first frame; unscaled,
+all frames are judged by the skin of the first.
 """
 
 from __future__ import annotations
@@ -106,7 +107,7 @@ def take_figures(
     errors: list[list[float]] = []
     recovered = flagged = frames = 0
     for frame, wanted in zip(open_source(video), contours, strict=False):
-        seen = stepper.step(lit(frame.image, light))
+        seen = stepper.step(lit(frame.image, light if frames else "as it is"))
         frames += 1
         recovered += seen is None or (seen.recovered and frames > 1)
         flagged += seen is None or bool(seen.lost.any())
