@@ -80,7 +80,9 @@ def test_a_cut_take_ends_with_its_last_whole_frame(tmp_path: Path) -> None:
 
 
 @given(data=st.data())
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=60)
+@settings(
+    suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=60, deadline=None
+)
 def test_damage_is_refused_or_cut_off(data: st.DataObject, tmp_path: Path) -> None:
     path = recorded(tmp_path / "a.take", seen())
     bytes_ = bytearray(path.read_bytes())

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from pythonosc.osc_packet import OscPacket
 
@@ -228,6 +228,7 @@ REAL = {
 
 
 @pytest.mark.parametrize("name", DECODERS)
+@settings(deadline=None)
 @given(st.data())
 def test_hostile_datagrams_are_refused_or_read(name: str, data: st.DataObject) -> None:
     real = bytearray(REAL[name])
