@@ -98,6 +98,12 @@ def test_a_file_that_is_not_there(tmp_path: Path) -> None:
         read_fdp(tmp_path / "absent.fdp")
 
 
+def test_an_encoding_nobody_knows_is_a_plain_error(tmp_path: Path) -> None:
+    (tmp_path / "a.fdp").write_text(XFACE.replace("UTF-8", "aTF-8"))
+    with pytest.raises(FormatError, match=r"a\.fdp"):
+        read_fdp(tmp_path / "a.fdp")
+
+
 @settings(
     deadline=None, max_examples=120, suppress_health_check=[HealthCheck.function_scoped_fixture]
 )

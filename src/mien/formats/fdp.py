@@ -79,7 +79,7 @@ def read_fdp(path: Path) -> FdpFile:
         raise FormatError(f"{path}: larger than {MAX_BYTES >> 20} MiB; not a .fdp file")
     try:
         found = _xface(data) if data.lstrip(b"\xef\xbb\xbf \t\r\n")[:1] == b"<" else _visage(data)
-    except (ElementTree.ParseError, UnicodeError, ValueError) as error:
+    except (ElementTree.ParseError, UnicodeError, LookupError, ValueError) as error:
         raise FormatError(f"{path}: not a .fdp file, or a broken one ({error})") from error
     if not found.points:
         raise FormatError(f"{path}: it names no feature points")
