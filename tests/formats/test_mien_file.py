@@ -14,7 +14,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from mien.errors import FormatError, OutputError
-from mien.formats.mien_file import HEADER, read_performance, write_performance
+from mien.formats.archive import HEADER
+from mien.formats.mien_file import read_performance, write_performance
 from mien.numeric.rotation import from_vector
 from mien.performance.performance import Performance, Span
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import json
 import zipfile
-import zlib
 from collections.abc import Mapping
 from dataclasses import fields
 from math import isfinite, prod
@@ -19,12 +18,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mien.errors import FormatError, InputError
+from mien.formats.archive import DAMAGE, HEADER, entry, first_line, read_array, read_header
 from mien.formats.atomic import whole_file
 from mien.performance.performance import Performance, Span
 
 FORMAT = "mien performance"
 VERSION = 1
-HEADER = "mien.json"
 
 MAX_FRAMES = 1_000_000
 MAX_POINTS = 4096
@@ -51,22 +50,6 @@ SHAPES: Mapping[str, tuple[str | int, ...]] = {
 }
 """Arrays by field of Performance; G is F where a vocabulary is spoken and 0 where not."""
 
-_DAMAGE = (
-    zipfile.BadZipFile,
-    zlib.error,
-    OSError,
-    EOFError,
-    KeyError,
-    ValueError,
-    TypeError,
-    SyntaxError,
-    OverflowError,
-    NotImplementedError,
-    RuntimeError,
-    MemoryError,
-)
-"""What zipfile, json and numpy raise on bytes that are not what they say."""
-
 
 def write_performance(performance: Performance, path: Path) -> None:
     """Write ``path`` whole or not at all; every number is kept to the bit. Raises OutputError."""
@@ -91,10 +74,9 @@ def write_performance(performance: Performance, path: Path) -> None:
         whole_file(path) as temporary,
         zipfile.ZipFile(temporary, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as archive,
     ):
-        # A fixed date: the same performance gives the same bytes.
-        archive.writestr(_entry(HEADER), json.dumps(header, indent=1))
+        archive.writestr(entry(HEADER), json.dumps(header, indent=1))
         for name, array in arrays.items():
-            with archive.open(_entry(f"{name}.npy"), "w", force_zip64=True) as stream:
+            with archive.open(entry(f"{name}.npy"), "w", force_zip64=True) as stream:
                 kind = np.dtype(bool if name == "lost" else "<f8")
                 np.lib.format.write_array(
                     stream, np.ascontiguousarray(array, dtype=kind), allow_pickle=False
@@ -111,9 +93,9 @@ def read_performance(path: Path) -> Performance:
             header = _read_header(archive, path)
             sizes = _sizes(header)
             arrays = _read_arrays(archive, header, sizes)
-    except _DAMAGE as error:
+    except DAMAGE as error:
         raise FormatError(
-            f"{path}: not a whole .mien file ({_first_line(error)}); capture the take again"
+            f"{path}: not a whole .mien file ({first_line(error)}); capture the take again"
         ) from error
     try:
         _check(arrays, header)
@@ -130,20 +112,8 @@ def read_performance(path: Path) -> Performance:
     )
 
 
-def _entry(name: str) -> zipfile.ZipInfo:
-    entry = zipfile.ZipInfo(name)
-    entry.compress_type = zipfile.ZIP_DEFLATED
-    return entry
-
-
 def _read_header(archive: zipfile.ZipFile, path: Path) -> dict[str, Any]:
-    with archive.open(HEADER) as stream:
-        text = stream.read(MAX_HEADER_BYTES + 1)
-    if len(text) > MAX_HEADER_BYTES:
-        raise ValueError("its header is too long")
-    header = json.loads(text)
-    if not isinstance(header, dict) or header.get("format") != FORMAT:
-        raise ValueError("it holds no performance")
+    header = read_header(archive, FORMAT, "performance", MAX_HEADER_BYTES)
     version = header.get("version")
     if not isinstance(version, int) or version < 1:
         raise ValueError("its version is no number")
@@ -214,24 +184,10 @@ def _read_arrays(
     shapes |= {f"scalars/{name}": (sizes["F"],) for name in header["scalars"]}
     if 8 * sum(prod(shape) for shape in shapes.values()) > MAX_BYTES:
         raise ValueError(f"its arrays are larger than {MAX_BYTES >> 20} MiB")
-    return {name: _read_array(archive, name, shape) for name, shape in shapes.items()}
-
-
-def _read_array(archive: zipfile.ZipFile, name: str, shape: tuple[int, ...]) -> NDArray[Any]:
-    kind = np.dtype("?") if name == "lost" else np.dtype("<f8")
-    with archive.open(f"{name}.npy") as stream:
-        if np.lib.format.read_magic(stream) != (1, 0):
-            raise ValueError(f"'{name}' is not an array of version 1.0")
-        found, fortran, dtype = np.lib.format.read_array_header_1_0(stream)
-        if found != shape or dtype != kind or (fortran and len(shape) > 1):
-            raise ValueError(f"'{name}' is {dtype} {found}, expected {kind} {shape}")
-        size = prod(shape) * kind.itemsize
-        data = bytearray(stream.read(size + 1))
-    if len(data) != size:
-        raise ValueError(f"'{name}' has {len(data)} bytes, expected {size}")
-    if name == "lost" and size and max(data) > 1:
-        raise ValueError(f"'{name}' is not true or false")
-    return np.frombuffer(data, dtype=kind).astype(kind.newbyteorder("="), copy=False).reshape(shape)
+    return {
+        name: read_array(archive, name, shape, "?" if name == "lost" else "<f8")
+        for name, shape in shapes.items()
+    }
 
 
 def _check(arrays: dict[str, NDArray[Any]], header: dict[str, Any]) -> None:
@@ -252,7 +208,3 @@ def _check(arrays: dict[str, NDArray[Any]], header: dict[str, Any]) -> None:
         raise ValueError("'sigma' is negative")
     if header["weights"] and not header["vocabulary"]:
         raise ValueError("it holds weights of no vocabulary")
-
-
-def _first_line(error: BaseException) -> str:
-    return (str(error).strip("'\"") or type(error).__name__).splitlines()[0][:200]

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import json
 import zipfile
-import zlib
 from math import prod
 from pathlib import Path
 from typing import Any
@@ -17,12 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mien.errors import FormatError, InputError
+from mien.formats.archive import DAMAGE, HEADER, entry, first_line, read_array, read_header
 from mien.formats.atomic import whole_file
 from mien.performance.performer import Performer
 
 FORMAT = "mien performer"
 VERSION = 1
-HEADER = "mien.json"
 SECTIONS = ("landmarks", "curves", "poses")
 
 MAX_ARRAYS = 512
@@ -30,21 +29,6 @@ MAX_NUMBERS = 1 << 20
 """In one array, and eight times as many in all."""
 MAX_HEADER_BYTES = 1 << 18
 MAX_TEXT = 4096
-
-_DAMAGE = (
-    zipfile.BadZipFile,
-    zlib.error,
-    OSError,
-    EOFError,
-    KeyError,
-    ValueError,
-    TypeError,
-    SyntaxError,
-    OverflowError,
-    NotImplementedError,
-    RuntimeError,
-    MemoryError,
-)
 
 
 def write_performer(performer: Performer, path: Path) -> None:
@@ -61,9 +45,9 @@ def write_performer(performer: Performer, path: Path) -> None:
         "arrays": {name: list(array.shape) for name, array in arrays.items()},
     }
     with whole_file(path) as temporary, zipfile.ZipFile(temporary, "w") as archive:
-        archive.writestr(_entry(HEADER), json.dumps(header, indent=1))
+        archive.writestr(entry(HEADER), json.dumps(header, indent=1))
         for name, array in arrays.items():
-            with archive.open(_entry(f"{name}.npy"), "w") as stream:
+            with archive.open(entry(f"{name}.npy"), "w") as stream:
                 np.lib.format.write_array(stream, array, allow_pickle=False)
 
 
@@ -76,13 +60,12 @@ def read_performer(path: Path) -> Performer:
         with zipfile.ZipFile(path) as archive:
             header = _read_header(archive)
             arrays = {
-                name: _read_array(archive, name, tuple(shape))
+                name: _read_finite(archive, name, tuple(shape))
                 for name, shape in header["arrays"].items()
             }
-    except _DAMAGE as error:
-        reason = (str(error).strip("'\"") or type(error).__name__).splitlines()[0][:200]
+    except DAMAGE as error:
         raise FormatError(
-            f"{path}: not a whole .performer file ({reason}); calibrate again"
+            f"{path}: not a whole .performer file ({first_line(error)}); calibrate again"
         ) from error
     sections: dict[str, dict[str, NDArray[np.float64]]] = {name: {} for name in SECTIONS}
     for name, array in arrays.items():
@@ -91,21 +74,8 @@ def read_performer(path: Path) -> Performer:
     return Performer(**sections, source=header["source"])
 
 
-def _entry(name: str) -> zipfile.ZipInfo:
-    # A fixed date: the same performer gives the same bytes.
-    entry = zipfile.ZipInfo(name)
-    entry.compress_type = zipfile.ZIP_DEFLATED
-    return entry
-
-
 def _read_header(archive: zipfile.ZipFile) -> dict[str, Any]:
-    with archive.open(HEADER) as stream:
-        text = stream.read(MAX_HEADER_BYTES + 1)
-    if len(text) > MAX_HEADER_BYTES:
-        raise ValueError("its header is too long")
-    header = json.loads(text)
-    if not isinstance(header, dict) or header.get("format") != FORMAT:
-        raise ValueError("it holds no performer")
+    header = read_header(archive, FORMAT, "performer", MAX_HEADER_BYTES)
     if header.get("version") != VERSION:
         raise ValueError(f"its version is not {VERSION}; update mien")
     if not isinstance(header.get("source"), str) or len(header["source"]) > MAX_TEXT:
@@ -127,19 +97,10 @@ def _read_header(archive: zipfile.ZipFile) -> dict[str, Any]:
     return header
 
 
-def _read_array(archive: zipfile.ZipFile, name: str, shape: tuple[int, ...]) -> NDArray[np.float64]:
-    kind = np.dtype("<f8")
-    with archive.open(f"{name}.npy") as stream:
-        if np.lib.format.read_magic(stream) != (1, 0):
-            raise ValueError(f"'{name}' is not an array of version 1.0")
-        found, fortran, dtype = np.lib.format.read_array_header_1_0(stream)
-        if found != shape or dtype != kind or (fortran and len(shape) > 1):
-            raise ValueError(f"'{name}' is not what the header says")
-        size = prod(shape) * kind.itemsize
-        data = stream.read(size + 1)
-    if len(data) != size:
-        raise ValueError(f"'{name}' has {len(data)} bytes, expected {size}")
-    array = np.frombuffer(data, dtype=kind).astype(np.float64).reshape(shape)
+def _read_finite(
+    archive: zipfile.ZipFile, name: str, shape: tuple[int, ...]
+) -> NDArray[np.float64]:
+    array = read_array(archive, name, shape)
     if not np.isfinite(array).all():
         raise ValueError(f"'{name}' holds numbers that are not finite")
     return array
