@@ -7,7 +7,6 @@
 from __future__ import annotations
 
 import math
-import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -15,6 +14,7 @@ import numpy as np
 
 from mien.errors import FormatError, InputError
 from mien.face.face import Array
+from mien.formats.toml_file import read_toml
 from mien.vocabulary.fdp import feature_points
 
 Picks = Mapping[str, Array]
@@ -33,14 +33,7 @@ NEEDED = (
 
 def read_picks(path: Path) -> Picks:
     """FDP ids and their places (3,). Raises InputError, FormatError."""
-    try:
-        found = tomllib.loads(path.read_text("utf-8")).get("points")
-    except FileNotFoundError as error:
-        raise InputError(f"{path}: no such file") from error
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror or error})") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
-        raise FormatError(f"{path}: not TOML ({error})") from error
+    found = read_toml(path).get("points")
     if not isinstance(found, dict) or not found:
         raise FormatError(f'{path}: has no [points]; write "9.3" = [x, y, z] under it')
     known = feature_points()

@@ -12,7 +12,6 @@ eye_right = "ball.R"
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -23,6 +22,7 @@ from mien.face.library import generic_face
 from mien.face.model import Hooks, Model
 from mien.formats.gltf_container import open_gltf
 from mien.formats.gltf_nodes import joint_place, read_nodes
+from mien.formats.toml_file import read_toml
 
 NOTHING = "nothing"
 _NODES = ("head", "eye_left", "eye_right")
@@ -39,14 +39,7 @@ class Said:
 
 def read_said(path: Path) -> Said:
     """Raises InputError where there is no such file, FormatError where it is something else."""
-    try:
-        found = tomllib.loads(path.read_text("utf-8"))
-    except FileNotFoundError as error:
-        raise InputError(f"{path}: no such file") from error
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror or error})") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
-        raise FormatError(f"{path}: not TOML ({error})") from error
+    found = read_toml(path)
     tables = [found.get(name, {}) for name in ("shapes", "nodes")]
     if not any(tables) or not all(map(_is_table, tables)):
         raise FormatError(f'{path}: needs [shapes] with "its shape" = "mouthSmileLeft", or [nodes]')

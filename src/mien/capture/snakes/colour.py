@@ -18,6 +18,7 @@ under the curve 0.88-0.99 for eyes against 0.70-0.98, and no weights serve lips 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import cv2
 import numpy as np
@@ -164,17 +165,19 @@ def window(box: Box) -> Box:
     return max(left + x, 0), max(top + y, 0), min(right + x, WIDTH), min(bottom + y, HEIGHT)
 
 
+@njit(cache=True, nogil=True, fastmath=True, inline="always")
+def _pixel(patch: Picture, gains: Field, y: int, x: int) -> tuple[Any, Any, Any]:
+    """Red, green and blue of one pixel under the skin's own light."""
+    return patch[y, x, 0] * gains[0], patch[y, x, 1] * gains[1], patch[y, x, 2] * gains[2]
+
+
 @njit(cache=True, nogil=True, fastmath=True)
 def _brightness(patch: Picture, gains: Field) -> Field:
     rows, columns, _ = patch.shape
     value = np.empty((rows, columns), dtype=np.float32)
     for y in range(rows):
         for x in range(columns):
-            r, g, b = (
-                patch[y, x, 0] * gains[0],
-                patch[y, x, 1] * gains[1],
-                patch[y, x, 2] * gains[2],
-            )
+            r, g, b = _pixel(patch, gains, y, x)
             value[y, x] = min(max(r, g, b), np.float32(_BRIGHTEST))
     return value
 
@@ -185,11 +188,7 @@ def _magenta(patch: Picture, gains: Field) -> Field:
     result = np.empty((rows, columns), dtype=np.float32)
     for y in range(rows):
         for x in range(columns):
-            r, g, b = (
-                patch[y, x, 0] * gains[0],
-                patch[y, x, 1] * gains[1],
-                patch[y, x, 2] * gains[2],
-            )
+            r, g, b = _pixel(patch, gains, y, x)
             result[y, x] = np.float32(1.0) - g / max(r, g, b, np.float32(0.25))
     return result
 
@@ -201,11 +200,7 @@ def _transform(patch: Picture, gains: Field, value: Field, mean: Field, weights:
     level = np.float32(_LEVELS / _BRIGHTEST)
     for y in range(rows):
         for x in range(columns):
-            r, g, b = (
-                patch[y, x, 0] * gains[0],
-                patch[y, x, 1] * gains[1],
-                patch[y, x, 2] * gains[2],
-            )
+            r, g, b = _pixel(patch, gains, y, x)
             v = max(r, g, b, np.float32(0.25))
             spread = v - min(r, g, b) + np.float32(1e-3)
             if r >= v:
