@@ -24,7 +24,7 @@ from mien.capture import CAPTURES, CaptureSettings
 from mien.face.animate import Poser
 from mien.face.character import Character
 from mien.face.pieces import split
-from mien.formats.sources import open_source
+from mien.formats.pictures.sources import open_source
 from mien.performance.curves import Curves
 from mien.performance.frame import Frame
 from report import show

@@ -29,7 +29,7 @@ from mien.capture.fap import motion_from_faps
 from mien.capture.shapes import motion_from_shapes
 from mien.face.fap_targets import basis_of
 from mien.face.library import generic_face
-from mien.formats.fap import read_take, simple_take, write_take
+from mien.formats.takes.fap import read_take, simple_take, write_take
 from mien.mapping.arkit import arkit_weights
 from mien.mapping.fap import fap_values
 from mien.performance.acted import acted

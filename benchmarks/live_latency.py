@@ -29,7 +29,7 @@ from starlette.testclient import TestClient
 
 import mien
 from mien.capture.detector import Detector
-from mien.formats.sources import open_source
+from mien.formats.pictures.sources import open_source
 from mien.live.studio import packet
 from mien.live.studio.safety import LOOPBACK, Rules
 from mien.live.studio.server import studio

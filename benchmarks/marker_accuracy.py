@@ -31,7 +31,7 @@ from mien.capture.markers.labels import name_roles
 from mien.capture.markers.mend import Event
 from mien.face.databank import Databank
 from mien.face.face import Face
-from mien.formats.c3d import read_c3d
+from mien.formats.markers.c3d import read_c3d
 from mien.mapping.genetic import published
 from mien.mapping.reconstruct import Reconstruction, reconstruct
 from mien.mapping.residual import believe, spread

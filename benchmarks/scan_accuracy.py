@@ -28,7 +28,7 @@ from mien.cli.scanning import detect_once
 from mien.face.face import FeaturePoints
 from mien.face.library import generic_face
 from mien.face.mesh import Mesh
-from mien.formats.ply import read_ply
+from mien.formats.meshes.ply import read_ply
 from mien.numeric.normals import vertex_normals
 from mien.scan.parameterise import Parameterised, ScanPoints, parameterise
 from mien.scan.points import PointFinder, Reference

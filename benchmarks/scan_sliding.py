@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-from mien.formats.ply import read_ply
+from mien.formats.meshes.ply import read_ply
 from mien.scan.parameterise import Parameterised, parameterise, parameterise_expression
 from mien.scan.surface import Surface
 from report import show

@@ -27,14 +27,14 @@ from numpy.typing import NDArray
 
 from mien.capture.detector import Detector
 from mien.capture.known import curve_calibration
-from mien.capture.snakes.features import NAMES
-from mien.capture.snakes.fields import Weigh, usual_weights
-from mien.capture.snakes.lens import lower_curve, upper_curve
-from mien.capture.snakes.palette import trained
+from mien.capture.snakes.colour.palette import trained
+from mien.capture.snakes.colour.training import least_squares
+from mien.capture.snakes.curves.features import NAMES
+from mien.capture.snakes.curves.fields import Weigh, usual_weights
+from mien.capture.snakes.curves.lens import lower_curve, upper_curve
 from mien.capture.snakes.stepper import Seen, SnakeCapture
-from mien.capture.snakes.training import least_squares
 from mien.formats.performer_file import read_performer
-from mien.formats.sources import open_source
+from mien.formats.pictures.sources import open_source
 from mien.vocabulary.topology import BROW_LOWER, BROW_UPPER, LID_LOOPS, LIP_LOOPS, mirrored
 from report import show
 

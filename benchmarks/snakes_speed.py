@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from mien.capture.detector import Detector
 from mien.capture.snakes.stepper import SnakeCapture
-from mien.formats.sources import open_source
+from mien.formats.pictures.sources import open_source
 from report import show
 
 Picture = NDArray[np.uint8]

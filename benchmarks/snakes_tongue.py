@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from mien import load_character
 from mien.capture import CAPTURES, CaptureSettings
-from mien.formats.sources import open_source
+from mien.formats.pictures.sources import open_source
 from mien.performance.frame import Frame
 from mien.rehearsal import Tempo, film, rehearse
 from report import show

@@ -26,8 +26,8 @@ import av
 import mien
 from mien.capture import CAPTURES, CaptureSettings
 from mien.capture.detector import Detector
-from mien.formats.glb import write_glb
-from mien.formats.sources import open_source
+from mien.formats.gltf.glb import write_glb
+from mien.formats.pictures.sources import open_source
 from mien.performance.frame import Frame
 from report import show
 

@@ -27,7 +27,7 @@ from mien.capture.tracker.look import take  # noqa: E402
 from mien.capture.tracker.meet import generic_person  # noqa: E402
 from mien.capture.tracker.track import Tracker  # noqa: E402
 from mien.face.library import generic_face  # noqa: E402
-from mien.formats.sources import open_source  # noqa: E402
+from mien.formats.pictures.sources import open_source  # noqa: E402
 from mien.performance.frame import Frame  # noqa: E402
 from report import show  # noqa: E402
 

@@ -38,7 +38,7 @@ from mien.face.character import Character, KeyModels
 from mien.face.face import Face, FeaturePoints, Material, Part
 from mien.face.library import generic_face
 from mien.face.pieces import split
-from mien.formats.sources import open_source
+from mien.formats.pictures.sources import open_source
 from mien.numeric.rotation import angle_between
 from mien.performance.frame import Frame
 from mien.performance.performance import Performance

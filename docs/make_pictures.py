@@ -17,7 +17,7 @@ from PIL import Image
 import mien
 from mien.face.animate import Poser
 from mien.face.library import GENERIC
-from mien.formats.sources import open_source
+from mien.formats.pictures.sources import open_source
 from mien.view.camera import Camera
 from mien.view.contact_sheet import contact_sheet
 from mien.view.preview import preview

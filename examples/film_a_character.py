@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 import mien
-from mien.formats.mp4 import write_mp4
+from mien.formats.pictures.mp4 import write_mp4
 from mien.rehearsal import Tempo, film, rehearse
 
 ACT = (

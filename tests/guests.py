@@ -15,8 +15,8 @@ import pytest
 
 from actors import built_in
 from mien.face.character import Character, KeyModels
-from mien.formats.glb import write_glb
-from mien.formats.gltf_buffer import GltfBuffer
+from mien.formats.gltf.buffer import GltfBuffer
+from mien.formats.gltf.glb import write_glb
 
 Json = dict[str, Any]
 

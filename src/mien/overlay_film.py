@@ -8,7 +8,7 @@ from pathlib import Path
 from queue import Queue
 from threading import Event, Thread
 
-from mien.formats.mp4 import write_mp4
+from mien.formats.pictures.mp4 import write_mp4
 from mien.performance.frame import Frame
 from mien.performance.trace import Trace
 from mien.view.overlay import overlay

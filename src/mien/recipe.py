@@ -15,25 +15,25 @@ from mien.capture.learn import Lessons, learn
 from mien.capture.markers.perform import MarkerSettings, Mended
 from mien.capture.markers.perform import perform as perform_markers
 from mien.capture.shapes import motion_from_shapes
-from mien.capture.snakes.features import NAMES
+from mien.capture.snakes.curves.features import NAMES
 from mien.errors import InputError, NoFaceError
 from mien.face.character import Character
 from mien.face.databank import Databank, databank, performer_face
 from mien.face.face import Face
 from mien.face.library import generic_face
-from mien.formats.fap import read_take, simple_take, write_take
-from mien.formats.lens import read_focal
-from mien.formats.livelink import read_livelink, write_livelink
-from mien.formats.marker_file import holds_markers, read_markers, read_roles
-from mien.formats.mien_file import read_performance, write_performance
-from mien.formats.mp4 import Sound, write_mp4
-from mien.formats.obj_read import read_obj
-from mien.formats.own_file import read_pairs
+from mien.formats.markers.file import holds_markers, read_markers, read_roles
+from mien.formats.meshes.obj_read import read_obj
+from mien.formats.notes.own import read_pairs
+from mien.formats.notes.rectangles import read_rectangles
 from mien.formats.performer_file import read_performer, write_performer
-from mien.formats.recording import read_recording
-from mien.formats.rectangles import read_rectangles
-from mien.formats.sources import open_source
-from mien.formats.video import Video
+from mien.formats.pictures.lens import read_focal
+from mien.formats.pictures.mp4 import Sound, write_mp4
+from mien.formats.pictures.sources import open_source
+from mien.formats.pictures.video import Video
+from mien.formats.takes.fap import read_take, simple_take, write_take
+from mien.formats.takes.livelink import read_livelink, write_livelink
+from mien.formats.takes.mien_file import read_performance, write_performance
+from mien.formats.takes.recording import read_recording
 from mien.mapping import MAPPERS, Settings
 from mien.mapping.arkit import arkit_weights
 from mien.mapping.fap import fap_values

@@ -9,9 +9,9 @@ import numpy as np
 import pygltflib
 from terminal import FRAMES, WINK, error_line, mien, needs_landmarks
 
-from mien.formats.mien_file import read_performance
-from mien.formats.table import read_table
-from mien.formats.video import open_video
+from mien.formats.pictures.video import open_video
+from mien.formats.takes.mien_file import read_performance
+from mien.formats.takes.table import read_table
 
 pytestmark = needs_landmarks
 

@@ -14,6 +14,7 @@ from terminal import error_line, mien, needs_landmarks, start
 
 from clips import noise, write_video
 from mien.cli import interruption
+from mien.cli.main import COMMANDS, run
 
 
 def test_a_missing_file(tmp_path: Path) -> None:
@@ -80,6 +81,33 @@ def test_ctrl_c_that_native_code_swallowed_is_raised_later(monkeypatch) -> None:
         interruption._interrupted(signal.SIGINT, None)
     with pytest.raises(KeyboardInterrupt):
         interruption.check()
+
+
+@pytest.mark.parametrize(
+    ("signum", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)], ids=["Ctrl-C", "kill"]
+)
+def test_an_interruption_is_known_in_another_error_s_clothes(
+    signum: int, code: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    class Wrapping:
+        """As Python 3.11 does with what is raised while a class is made."""
+
+        @staticmethod
+        def run(options: object) -> None:
+            try:
+                signal.raise_signal(signum)
+            except BaseException as error:
+                raise RuntimeError("Error calling __set_name__") from error
+
+    monkeypatch.setattr(interruption, "_seen", [])
+    monkeypatch.setitem(COMMANDS, "doctor", Wrapping)
+    before = signal.getsignal(signal.SIGINT), signal.getsignal(signal.SIGTERM)
+    try:
+        assert run(["doctor"]) == code
+    finally:
+        signal.signal(signal.SIGINT, before[0])
+        signal.signal(signal.SIGTERM, before[1])
+    assert len(capsys.readouterr().err.splitlines()) <= 1
 
 
 def test_an_unwritable_folder_is_told_before_the_work(take: Path, tmp_path: Path) -> None:

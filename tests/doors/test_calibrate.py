@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from terminal import mien
 
-from mien.formats.mien_file import read_performance
+from mien.formats.takes.mien_file import read_performance
 
 
 def test_a_performer_is_learnt_once_and_used_again(take: Path, tmp_path: Path) -> None:

@@ -10,8 +10,8 @@ import pygltflib
 import pytest
 from terminal import error_line, mien
 
-from mien.formats.fap import read_take, simple_take, write_take
-from mien.formats.table import read_table
+from mien.formats.takes.fap import read_take, simple_take, write_take
+from mien.formats.takes.table import read_table
 from mien.vocabulary.fap import expressions, visemes
 
 

@@ -12,7 +12,7 @@ from terminal import mien
 
 from actors import shown
 from guests import SHAPES, guest, write_guest
-from mien.formats.mien_file import write_performance
+from mien.formats.takes.mien_file import write_performance
 
 
 @pytest.fixture(scope="module")

@@ -14,8 +14,8 @@ from terminal import error_line, mien
 from mien.face.databank import Databank, databank
 from mien.face.library import generic_face
 from mien.formats.databank_file import write_databank
-from mien.formats.mien_file import read_performance
-from mien.formats.table import read_table
+from mien.formats.takes.mien_file import read_performance
+from mien.formats.takes.table import read_table
 from takes import JIG, WORN, act, c3d
 
 SHAPES = ("jawOpen", "mouthSmileLeft", "mouthSmileRight", "browInnerUp", "mouthPucker")

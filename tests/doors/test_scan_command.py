@@ -10,7 +10,7 @@ from terminal import error_line, mien, needs_landmarks
 
 from mien.face.library import load_character
 from mien.formats.databank_file import read_databank
-from mien.formats.scan_points import PointsFile, read_points, write_points
+from mien.formats.notes.scan_points import PointsFile, read_points, write_points
 from mien.scan.template import face_template
 
 pytest.importorskip("embreex")

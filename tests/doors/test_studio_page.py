@@ -13,7 +13,7 @@ import cv2
 import pytest
 from terminal import MIEN, needs_landmarks
 
-from mien.formats.sources import open_source
+from mien.formats.pictures.sources import open_source
 
 HERE = Path(__file__).parent
 BROWSER_PYTHON = Path(

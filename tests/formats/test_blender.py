@@ -10,7 +10,7 @@ from foreign import blender, needs_blender
 
 from faces import toy_curves
 from mien.face.character import Character
-from mien.formats.glb import write_glb
+from mien.formats.gltf.glb import write_glb
 
 pytestmark = needs_blender
 

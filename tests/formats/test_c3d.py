@@ -12,7 +12,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from mien.errors import FormatError, InputError
-from mien.formats.c3d import read_c3d
+from mien.formats.markers.c3d import read_c3d
 from mien.performance.marker_take import MarkerTake
 from takes import c3d
 

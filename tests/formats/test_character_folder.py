@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mien.errors import InputError, MienError
-from mien.formats.character_folder import read_folder, read_obj_model
-from mien.formats.obj_read import read_obj
+from mien.formats.meshes.character_folder import read_folder, read_obj_model
+from mien.formats.meshes.obj_read import read_obj
 
 SQUARE = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 0\nv 2 1 0\n"
 FACES = "f 1/1/1 2/2/1 3 4\nf -5 -2 -1 -4\n"

@@ -13,7 +13,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from mien.errors import FormatError, InputError
-from mien.formats.fap import Dialect, FapTake, read_take, simple_take, write_take
+from mien.formats.takes.fap import Dialect, FapTake, read_take, simple_take, write_take
 
 DIALECTS = {
     "visage": Dialect(),

@@ -13,7 +13,7 @@ from faces import toy_curves
 from mien.face.animate import Poser
 from mien.face.character import Character
 from mien.face.pieces import split
-from mien.formats.glb import write_glb
+from mien.formats.gltf.glb import write_glb
 from mien.numeric.normals import vertex_normals
 
 PARTS = {

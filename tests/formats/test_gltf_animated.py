@@ -18,7 +18,7 @@ from mien.face.animate import Poser
 from mien.face.character import Character
 from mien.face.pieces import split
 from mien.face.targets import targets
-from mien.formats.gltf_animated import write_animated
+from mien.formats.gltf.animated import write_animated
 from mien.formats.save import save
 from mien.rig.importer import import_character
 

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from guests import DATA, document, edited, guest, needs_characters, write_guest, write_quad
 from mien.errors import FormatError, InputError, MienError
-from mien.formats.gltf_read import read_gltf
+from mien.formats.gltf.read import read_gltf
 from mien.rig.importer import read_model
 
 VALID = (

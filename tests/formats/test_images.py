@@ -10,8 +10,8 @@ from PIL import Image
 
 from clips import corners, quarters
 from mien.errors import FormatError, InputError
-from mien.formats.images import open_images
-from mien.formats.sources import open_source
+from mien.formats.pictures.images import open_images
+from mien.formats.pictures.sources import open_source
 
 
 def test_names_are_ordered_as_people_count(tmp_path: Path) -> None:

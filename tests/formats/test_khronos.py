@@ -10,7 +10,7 @@ from foreign import issues, needs_validator
 from faces import toy_curves
 from mien.face.character import Character
 from mien.face.library import CHARACTERS, load_character
-from mien.formats.glb import write_glb
+from mien.formats.gltf.glb import write_glb
 
 pytestmark = needs_validator
 

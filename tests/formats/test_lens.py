@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mien.errors import FormatError, InputError, MienError
-from mien.formats.lens import read_focal
+from mien.formats.pictures.lens import read_focal
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from mien.errors import FormatError
-from mien.formats.livelink import TICKS, read_livelink, write_livelink
+from mien.formats.takes.livelink import TICKS, read_livelink, write_livelink
 from mien.numeric.euler import from_euler
 from mien.vocabulary.arkit import face_shapes, names
 from mien.vocabulary.livelink import csv_columns, stream_columns

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from mien.errors import FormatError, OutputError
 from mien.formats.archive import HEADER
-from mien.formats.mien_file import read_performance, write_performance
+from mien.formats.takes.mien_file import read_performance, write_performance
 from mien.numeric.rotation import from_vector
 from mien.performance.performance import Performance, Span
 

@@ -8,7 +8,7 @@ import av
 import numpy as np
 import pytest
 
-from mien.formats.mp4 import Sound, write_mp4
+from mien.formats.pictures.mp4 import Sound, write_mp4
 from mien.performance.frame import Frame
 
 TIMES = np.cumsum([0.0, 0.033, 0.041, 0.02, 0.1, 0.033, 0.05, 0.04, 0.033, 0.25, 0.033, 0.033])

@@ -10,7 +10,7 @@ from faces import toy_curves
 from mien.face.animate import Poser
 from mien.face.character import Character
 from mien.face.pieces import split
-from mien.formats.obj import write_obj_sequence
+from mien.formats.meshes.obj import write_obj_sequence
 
 
 def numbers(text: str, key: str) -> np.ndarray:

@@ -14,8 +14,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from mien.errors import FormatError, InputError
+from mien.formats.notes.rectangles import read_rectangles
 from mien.formats.performer_file import read_performer, write_performer
-from mien.formats.rectangles import read_rectangles
 from mien.performance.performer import Performer
 
 

@@ -12,7 +12,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from mien.errors import FormatError, InputError, OutputError
-from mien.formats.recording import Recorder, read_recording
+from mien.formats.takes.recording import Recorder, read_recording
 from mien.performance.acted import acted
 from mien.performance.arkit_frame import ArkitFrame, performance_of
 from mien.performance.performance import Performance, Span

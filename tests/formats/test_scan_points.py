@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from mien.errors import FormatError, InputError
-from mien.formats.scan_points import PointsFile, read_points, write_points
+from mien.formats.notes.scan_points import PointsFile, read_points, write_points
 
 
 def test_what_is_written_is_read(tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from mien.errors import FormatError
-from mien.formats.table import FIXED, read_table, write_table
+from mien.formats.takes.table import FIXED, read_table, write_table
 from mien.numeric.rotation import from_vector
 from mien.performance.curves import Curves
 

@@ -10,9 +10,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from mien.errors import FormatError, InputError
-from mien.formats.marker_csv import read_marker_csv
-from mien.formats.marker_file import holds_markers, read_markers, read_roles
-from mien.formats.trc import read_trc
+from mien.formats.markers.csv import read_marker_csv
+from mien.formats.markers.file import holds_markers, read_markers, read_roles
+from mien.formats.markers.trc import read_trc
 from mien.performance.marker_take import MarkerTake
 
 

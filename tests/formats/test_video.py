@@ -16,9 +16,9 @@ from hypothesis import strategies as st
 
 from clips import corners, noise, quarters, write_video
 from mien.errors import FormatError, InputError, MienError
-from mien.formats.ahead import read_ahead
-from mien.formats.sources import open_source
-from mien.formats.video import open_video
+from mien.formats.pictures.ahead import read_ahead
+from mien.formats.pictures.sources import open_source
+from mien.formats.pictures.video import open_video
 
 
 @pytest.fixture(scope="module")

@@ -15,8 +15,8 @@ from guests import DATA, document, edited, guest, needs_characters, write_quad
 from mien.errors import InputError
 from mien.face.model import Bind, Hooks
 from mien.face.origin import Origin
-from mien.formats.vrm import read_vrm
-from mien.formats.vrma import write_vrma
+from mien.formats.gltf.vrm import read_vrm
+from mien.formats.gltf.vrma import write_vrma
 
 
 def _vrm0(told: Any) -> None:

@@ -14,12 +14,12 @@ from mien.face.library import CHARACTERS, GENERIC, load_character
 from mien.face.pieces import Pieces, split
 from mien.mapping.lids import find_lids
 from mien.sculpt import soundness
-from mien.sculpt.cage import LIPS, cage
+from mien.sculpt.acting.repertoire import go_together
+from mien.sculpt.acting.units import STARTS
+from mien.sculpt.anatomy.cage import LIPS, cage
+from mien.sculpt.anatomy.lips import lip_volumes
+from mien.sculpt.anatomy.skin import labels
 from mien.sculpt.cast import CAST
-from mien.sculpt.lips import lip_volumes
-from mien.sculpt.repertoire import go_together
-from mien.sculpt.skin import labels
-from mien.sculpt.units import STARTS
 
 Array = NDArray[np.float64]
 Weights = dict[str, float]

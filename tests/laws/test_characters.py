@@ -12,12 +12,12 @@ from mien.face.character import Character
 from mien.face.face import FOLLOWS
 from mien.face.library import CHARACTERS, GENERIC, character_file, generic_face, load_character
 from mien.numeric.normals import vertex_normals
-from mien.sculpt.cage import LIDS, LIPS, cage
+from mien.sculpt.acting.expressions import EXAMPLES
+from mien.sculpt.acting.units import ARKIT
+from mien.sculpt.anatomy.cage import LIDS, LIPS, cage
+from mien.sculpt.anatomy.skin import labels
+from mien.sculpt.anatomy.skull import mean_landmarks
 from mien.sculpt.cast import CAST
-from mien.sculpt.expressions import EXAMPLES
-from mien.sculpt.skin import labels
-from mien.sculpt.skull import mean_landmarks
-from mien.sculpt.units import ARKIT
 from mien.vocabulary import fdp, topology
 
 Array = NDArray[np.float64]

@@ -8,7 +8,7 @@ import pytest
 from mien.capture.fap import motion_from_faps, perform
 from mien.errors import InputError
 from mien.face.library import generic_face
-from mien.formats.fap import FapTake
+from mien.formats.takes.fap import FapTake
 from mien.numeric.rotation import from_vector
 from mien.performance.acted import acted
 from mien.vocabulary.fap import (

@@ -15,7 +15,7 @@ from mien.face.fap_basis import CORNERS, LIDS, fap_basis
 from mien.face.fap_targets import SLIDES, basis_of, fap_models, fap_weights
 from mien.face.targets import targets
 from mien.sculpt import soundness
-from mien.sculpt.skin import labels
+from mien.sculpt.anatomy.skin import labels
 from mien.vocabulary.fap import column, expressions, faps, simple, visemes
 from mien.vocabulary.fdp import feature_points
 

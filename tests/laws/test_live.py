@@ -15,9 +15,9 @@ import pytest
 from mien.capture.shapes import motion_from_shapes
 from mien.errors import InputError
 from mien.face.library import generic_face, load_character
-from mien.formats.recording import read_recording
 from mien.formats.streams import livelink, vmc
 from mien.formats.streams.openseeface import BYTES
+from mien.formats.takes.recording import read_recording
 from mien.live.inputs import Receiver
 from mien.live.newest import Newest
 from mien.live.openseeface import seen_face

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from actors import FACE_ON, built_in, shown
 from mien.errors import FormatError, InputError
-from mien.formats.own_file import read_pairs
+from mien.formats.notes.own import read_pairs
 from mien.mapping import JointMapper, Settings
 from mien.mapping.own import OwnExamples, own_examples
 from mien.mapping.ranges import measure_ranges

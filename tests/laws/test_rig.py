@@ -10,7 +10,7 @@ import pytest
 
 from guests import PICKS, SHAPES, edited, guest, write_guest
 from mien.face.model import Model
-from mien.formats.gltf_read import read_gltf
+from mien.formats.gltf.read import read_gltf
 from mien.numeric.closest import closest_on_triangles, nearest
 from mien.rig.acts import measure, unexpressed
 from mien.rig.build import build

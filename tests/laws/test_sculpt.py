@@ -11,12 +11,12 @@ from hypothesis import strategies as st
 from mien.face.library import load_character
 from mien.numeric.biharmonic import Handles, spread, uniform_laplacian
 from mien.numeric.loop import subdivide
+from mien.sculpt.acting.expression import Expression
+from mien.sculpt.anatomy.cage import cage
+from mien.sculpt.anatomy.head import Head, neutral_head
+from mien.sculpt.anatomy.skull import mean_landmarks
 from mien.sculpt.build import build_character
-from mien.sculpt.cage import cage
 from mien.sculpt.cast import CAST
-from mien.sculpt.expression import Expression
-from mien.sculpt.head import Head, neutral_head
-from mien.sculpt.skull import mean_landmarks
 from mien.vocabulary import topology
 
 _STEP = 0.001

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from mien.capture.snakes.colour import (
+from mien.capture.snakes.colour.network import Lesson, Network, error, train, untrained
+from mien.capture.snakes.colour.transform import (
     Weights,
     brightness,
     channels,
@@ -16,12 +17,11 @@ from mien.capture.snakes.colour import (
     neighbourhood,
     transform,
 )
-from mien.capture.snakes.energy import HALF_STEP, SAMPLES, Terms, descend, energy, packed
-from mien.capture.snakes.features import usual_lenses
-from mien.capture.snakes.lens import LOWER, UPPER, height, tallness
-from mien.capture.snakes.network import Lesson, Network, error, train, untrained
-from mien.capture.snakes.patch import HEIGHT, WIDTH
-from mien.capture.snakes.pose import RESTING, Pose, fit_pose
+from mien.capture.snakes.curves.energy import HALF_STEP, SAMPLES, Terms, descend, energy, packed
+from mien.capture.snakes.curves.features import usual_lenses
+from mien.capture.snakes.curves.lens import LOWER, UPPER, height, tallness
+from mien.capture.snakes.head.patch import HEIGHT, WIDTH
+from mien.capture.snakes.head.pose import RESTING, Pose, fit_pose
 from mien.numeric.bezier import bernstein, bernstein_slope, curve, fit
 from mien.numeric.rotation import from_vector
 

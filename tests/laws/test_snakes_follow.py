@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 from mien.capture import CAPTURES, CaptureSettings
 from mien.capture.known import curve_calibration
 from mien.capture.learn import drawn_lenses
-from mien.capture.snakes.features import NAMES, ROW, usual_lenses
-from mien.capture.snakes.lens import height, outline
-from mien.capture.snakes.patch import Placement
-from mien.capture.snakes.regions import means, subareas
-from mien.capture.snakes.settle import Expected, settle
+from mien.capture.snakes.colour.regions import means, subareas
+from mien.capture.snakes.colour.training import GROUPS, teach
+from mien.capture.snakes.curves.features import NAMES, ROW, usual_lenses
+from mien.capture.snakes.curves.lens import height, outline
+from mien.capture.snakes.curves.settle import Expected, settle
+from mien.capture.snakes.head.patch import Placement
 from mien.capture.snakes.stepper import Appearance, SnakeCapture
-from mien.capture.snakes.training import GROUPS, teach
 from mien.errors import FormatError, NoFaceError
 from mien.face.animate import Poser
 from mien.face.library import load_character

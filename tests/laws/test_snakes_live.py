@@ -16,7 +16,7 @@ from mien.capture.snakes.reading import calibrate, perform
 from mien.capture.snakes.stepper import SnakeCapture
 from mien.capture.stepping import LEARNING, STEPPERS, SnakeStepper
 from mien.face.library import generic_face
-from mien.formats.sources import open_source
+from mien.formats.pictures.sources import open_source
 from mien.performance.frame import Frame
 
 FRAMES = 36

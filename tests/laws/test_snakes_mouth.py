@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mien.capture import CAPTURES, CaptureSettings
-from mien.capture.snakes.features import usual_lenses
+from mien.capture.snakes.curves.features import usual_lenses
 from mien.capture.snakes.mouth import LipColour, filled, tongue_out
 from mien.capture.snakes.stepper import SnakeCapture
 from mien.face.library import load_character

@@ -21,7 +21,7 @@ from starlette.websockets import WebSocketDisconnect
 from mien.errors import InputError
 from mien.face.library import load_character
 from mien.face.pieces import split
-from mien.formats.recording import Recorder
+from mien.formats.takes.recording import Recorder
 from mien.live.studio import messages, packet
 from mien.live.studio.adjust import Desk
 from mien.live.studio.messages import Adjust, Note, decode, encode

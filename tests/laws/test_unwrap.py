@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mien.face.library import CHARACTERS, GENERIC, load_character
-from mien.sculpt.cage import cage
+from mien.sculpt.anatomy.cage import cage
 
 NAMES = (GENERIC, *CHARACTERS)
 

@@ -12,7 +12,7 @@ from mien.errors import FormatError
 from mien.face.library import CHARACTERS
 from mien.face.targets import targets
 from mien.face.wires import control_motion, wire_pieces, wires_of, with_moved_wires
-from mien.formats.wire_file import read_wires, write_wires
+from mien.formats.notes.wires import read_wires, write_wires
 from mien.mapping import MAPPERS, Settings
 
 

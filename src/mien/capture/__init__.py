@@ -9,7 +9,7 @@ from mien.capture.landmarks import calibrate, perform
 from mien.capture.neutral import ground
 from mien.capture.settings import CaptureSettings, Progress
 from mien.capture.snakes.capture import follow as follow_curves
-from mien.capture.snakes.palette import trained
+from mien.capture.snakes.colour.palette import trained
 from mien.capture.snakes.points import depths
 from mien.capture.snakes.reading import calibrate as calibrate_curves
 from mien.capture.snakes.reading import perform as perform_curves

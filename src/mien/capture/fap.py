@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from mien.errors import InputError
 from mien.face.character import Character
 from mien.face.fap_targets import basis_of
-from mien.formats.fap import FapTake
+from mien.formats.takes.fap import FapTake
 from mien.performance.performance import Performance
 from mien.vocabulary.fap import (
     FIRST,

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from mien.capture import landmarks
 from mien.capture.lids import LidRange
 from mien.capture.snakes import reading
-from mien.capture.snakes.features import MOUTH
-from mien.capture.snakes.flow import COUNT
-from mien.capture.snakes.network import HIDDEN, INPUTS, OUTPUTS, Network
-from mien.capture.snakes.patch import HEIGHT, WIDTH
+from mien.capture.snakes.colour.network import HIDDEN, INPUTS, OUTPUTS, Network
+from mien.capture.snakes.curves.features import MOUTH
+from mien.capture.snakes.head.flow import COUNT
+from mien.capture.snakes.head.patch import HEIGHT, WIDTH
 from mien.capture.snakes.points import POINTS
 from mien.capture.snakes.stepper import Appearance
 from mien.capture.track import KEPT

@@ -17,16 +17,16 @@ from mien.capture.neutral import ground
 from mien.capture.settings import CaptureSettings
 from mien.capture.snakes import reading
 from mien.capture.snakes.capture import follow as follow_curves
-from mien.capture.snakes.features import MOUTH, NAMES
-from mien.capture.snakes.flow import choose
-from mien.capture.snakes.lens import boxed, fit_lens
-from mien.capture.snakes.network import Network
-from mien.capture.snakes.palette import trained
-from mien.capture.snakes.patch import Picture, Placement
+from mien.capture.snakes.colour.network import Network
+from mien.capture.snakes.colour.palette import trained
+from mien.capture.snakes.colour.training import teach
+from mien.capture.snakes.curves.features import MOUTH, NAMES
+from mien.capture.snakes.curves.lens import boxed, fit_lens
+from mien.capture.snakes.head.flow import choose
+from mien.capture.snakes.head.patch import Picture, Placement
 from mien.capture.snakes.points import depths
 from mien.capture.snakes.stepper import Appearance, SnakeCapture
 from mien.capture.snakes.track import CurveTrack
-from mien.capture.snakes.training import teach
 from mien.errors import InputError, MissingExtraError
 from mien.face.library import generic_face
 from mien.performance.frame import Frame

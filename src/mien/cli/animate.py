@@ -186,7 +186,7 @@ def _besides(
 
 
 def _film(options: argparse.Namespace, acts: list[tuple[Character, Curves]], path: Path) -> None:
-    from mien.formats.marker_file import holds_markers
+    from mien.formats.markers.file import holds_markers
     from mien.recipe import READERS, film
 
     no_pictures = Path(options.take).suffix.lower() in READERS or holds_markers(options.take)

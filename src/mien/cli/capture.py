@@ -119,7 +119,7 @@ def run(options: argparse.Namespace) -> None:
 def performance_of(options: argparse.Namespace) -> tuple[Performance, dict[str, Any]]:
     """Capture the take as the options say, or only read one that is captured already; and what is
     to be told of how it was captured."""
-    from mien.formats.marker_file import holds_markers
+    from mien.formats.markers.file import holds_markers
     from mien.recipe import READERS, capture, load_performance
 
     if holds_markers(options.take):

@@ -140,13 +140,13 @@ def _write(
 
 
 def _sheet(path: Path, character: Character) -> None:
-    from mien.formats.images import write_image
+    from mien.formats.pictures.images import write_image
     from mien.view.contact_sheet import contact_sheet
 
     write_image(path, contact_sheet(character))
 
 
 def _model(path: Path, character: Character) -> None:
-    from mien.formats.glb import write_glb
+    from mien.formats.gltf.glb import write_glb
 
     write_glb(path, character)

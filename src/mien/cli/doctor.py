@@ -116,7 +116,7 @@ def _video() -> str:
     import av
     import numpy as np
 
-    from mien.formats.video import open_video
+    from mien.formats.pictures.video import open_video
 
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "film.mp4")

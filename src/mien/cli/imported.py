@@ -152,7 +152,7 @@ def _table(found: Import) -> list[str]:
 
 
 def _draw(path: Path, found: Import) -> Path:
-    from mien.formats.images import write_image
+    from mien.formats.pictures.images import write_image
     from mien.view.points_sheet import points_sheet
 
     write_image(path, points_sheet(found.character))

@@ -1,8 +1,8 @@
 """Ctrl-C that cannot get lost.
 
 Python raises KeyboardInterrupt wherever it happens to be, also inside callbacks of native code,
-which print it and go on. So the signal is remembered too, and asked about between frames and
-before results are left standing.
+which print it and go on, or in an import, which wraps it in an error of its own. So the signal is
+remembered too, and asked about between frames, before results are left standing and at the end.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from __future__ import annotations
 import signal
 from typing import NoReturn
 
-TERMINATED = 143
+INTERRUPTED, TERMINATED = 130, 143
 
 _seen: list[int] = []
 
@@ -27,6 +27,13 @@ def check() -> None:
         raise SystemExit(TERMINATED)
     if _seen:
         raise KeyboardInterrupt
+
+
+def exit_code(error: BaseException) -> int | None:
+    """How to leave after ``error``: by the signal it came of, None if it came of none."""
+    if signal.SIGTERM in _seen:
+        return TERMINATED
+    return INTERRUPTED if _seen or isinstance(error, KeyboardInterrupt) else None
 
 
 def _interrupted(signum: int, frame: object) -> NoReturn:

@@ -123,8 +123,8 @@ def _source(options: argparse.Namespace) -> tuple[Iterable[Live], Stepper | None
     if options.hear is not None:
         return _receiver(options), None
     from mien.capture.stepping import STEPPERS
-    from mien.formats.camera import open_camera
-    from mien.formats.sources import open_source
+    from mien.formats.pictures.camera import open_camera
+    from mien.formats.pictures.sources import open_source
     from mien.live.run import in_real_time
 
     if options.capture not in STEPPERS:

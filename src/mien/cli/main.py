@@ -39,30 +39,41 @@ COMMANDS: dict[str, Command] = {
     "doctor": doctor,
 }
 
-PLAIN_ERROR, INTERRUPTED = 1, 130
+PLAIN_ERROR = 1
 
 
 def run(arguments: Sequence[str] | None = None) -> int:
-    """Entry point of ``mien``. Exit codes: 0, 1 (a plain error), 2 (usage), 130 (interrupted)."""
+    """Entry point of ``mien``. Exit codes: 0, 1 (a plain error), 2 (usage), 130 (interrupted),
+    143 (told to end)."""
     interruption.listen()
     options = _parser().parse_args(arguments)
     try:
         COMMANDS[options.command].run(options)
         sys.stdout.flush()
-    except MienError as error:
-        if options.verbose:
-            traceback.print_exc()
-        if options.json:
-            print(json.dumps({"command": options.command, "error": str(error)}))
-        print(f"mien: {error}", file=sys.stderr)
-        return PLAIN_ERROR
-    except KeyboardInterrupt:
+    except BaseException as error:
+        return _leave(error, options)
+    return 0
+
+
+def _leave(error: BaseException, options: argparse.Namespace) -> int:
+    """Say what there is to say of ``error``, and with which code to exit; raise it if nobody expects it."""
+    signalled = interruption.exit_code(error)
+    if signalled == interruption.INTERRUPTED:
         print("mien: interrupted; nothing was left behind", file=sys.stderr)
-        return INTERRUPTED
-    except BrokenPipeError:
+    if signalled is not None:
+        return signalled
+    if isinstance(error, BrokenPipeError):
         # Whoever read the output has gone (| head): nothing is wrong, and nobody to tell.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-    return 0
+        return 0
+    if not isinstance(error, MienError):
+        raise error
+    if options.verbose:
+        traceback.print_exc()
+    if options.json:
+        print(json.dumps({"command": options.command, "error": str(error)}))
+    print(f"mien: {error}", file=sys.stderr)
+    return PLAIN_ERROR
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -20,7 +20,7 @@ SETS = ("arkit", "mpeg4", "mien")
 def make_character(options: argparse.Namespace) -> None:
     """NEUTRAL, the one name that is given, becomes a character with ``--shapes``."""
     from mien.face.store import write_character
-    from mien.formats.glb import write_glb
+    from mien.formats.gltf.glb import write_glb
     from mien.sculpt.transfer.make import make
     from mien.sculpt.transfer.shapes import driven, sculpted, shape_sets, source_of
 

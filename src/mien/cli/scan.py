@@ -41,9 +41,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    from mien.formats.images import write_image
-    from mien.formats.scan_points import PointsFile, write_points
-    from mien.formats.scans import stand
+    from mien.formats.meshes.scans import stand
+    from mien.formats.notes.scan_points import PointsFile, write_points
+    from mien.formats.pictures.images import write_image
     from mien.scan.picture import points_picture
     from mien.scan.points import PointFinder
 

@@ -41,7 +41,7 @@ def add_scan_options(parser: argparse.ArgumentParser) -> None:
 
 def read_upright(path: Path, options: argparse.Namespace) -> tuple[Mesh, float]:
     """The scan in millimetres, upright and to the front, and the millimetres in its unit."""
-    from mien.formats.scans import read_scan, stand
+    from mien.formats.meshes.scans import read_scan, stand
 
     mesh, unit = read_scan(path, options.units)
     turn = stand(options.up, options.front)
@@ -50,8 +50,8 @@ def read_upright(path: Path, options: argparse.Namespace) -> tuple[Mesh, float]:
 
 def read_scan_points(path: Path, options: argparse.Namespace, unit: float) -> ScanPoints:
     """The points in a file, where ``read_upright`` has the scan."""
-    from mien.formats.scan_points import read_points
-    from mien.formats.scans import stand
+    from mien.formats.meshes.scans import stand
+    from mien.formats.notes.scan_points import read_points
     from mien.scan.parameterise import ScanPoints
 
     told = read_points(path)
@@ -61,7 +61,7 @@ def read_scan_points(path: Path, options: argparse.Namespace, unit: float) -> Sc
 
 def points_like(path: Path, options: argparse.Namespace) -> Reference:
     """The scan a file of points belongs to, and the points."""
-    from mien.formats.scan_points import read_points
+    from mien.formats.notes.scan_points import read_points
     from mien.scan.points import Reference
 
     mesh, unit = read_upright(path.with_name(Path(read_points(path).scan).name), options)

@@ -21,7 +21,7 @@ _NO_POINTS_TELL = ("eyeLook", "mouthClose", "tongueOut", "cheekPuff", "cheek_puf
 def suggest_keys(options: argparse.Namespace) -> None:
     """Name what CHARACTER lacks most for ``--takes``, with a picture of each."""
     from mien.face.library import generic_face
-    from mien.formats.images import write_image
+    from mien.formats.pictures.images import write_image
     from mien.mapping.suggest import suggest
     from mien.rig.load import load_character
     from mien.sculpt.transfer.make import make

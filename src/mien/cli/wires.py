@@ -15,7 +15,7 @@ def wire_character(options: argparse.Namespace) -> None:
     the file says into a .npz file."""
     from mien.face.store import write_character
     from mien.face.wires import control_motion, with_moved_wires
-    from mien.formats.wire_file import read_wires, write_wires
+    from mien.formats.notes.wires import read_wires, write_wires
     from mien.rig.load import load_character
 
     if len(options.names) != 1:

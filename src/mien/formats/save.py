@@ -15,29 +15,29 @@ Saver = Callable[[Path, Character, Curves], None]
 
 def _glb(path: Path, character: Character, curves: Curves) -> None:
     if character.origin is not None:
-        from mien.formats.gltf_animated import write_animated
+        from mien.formats.gltf.animated import write_animated
 
         write_animated(path, character, curves)
         return
-    from mien.formats.glb import write_glb
+    from mien.formats.gltf.glb import write_glb
 
     write_glb(path, character, curves)
 
 
 def _table(path: Path, character: Character, curves: Curves) -> None:
-    from mien.formats.table import write_table
+    from mien.formats.takes.table import write_table
 
     write_table(path, curves)
 
 
 def _obj(path: Path, character: Character, curves: Curves) -> None:
-    from mien.formats.obj import write_obj_sequence
+    from mien.formats.meshes.obj import write_obj_sequence
 
     write_obj_sequence(path, character, curves)
 
 
 def _vrma(path: Path, character: Character, curves: Curves) -> None:
-    from mien.formats.vrma import write_vrma
+    from mien.formats.gltf.vrma import write_vrma
 
     write_vrma(path, character, curves)
 

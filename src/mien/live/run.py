@@ -10,7 +10,7 @@ from typing import Protocol
 
 import numpy as np
 
-from mien.formats.recording import Recorder
+from mien.formats.takes.recording import Recorder
 from mien.live.newest import Newest, keep_newest
 from mien.live.stage import Moment, Stage
 from mien.performance.arkit_frame import ArkitFrame

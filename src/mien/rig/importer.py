@@ -9,10 +9,10 @@ from pathlib import Path
 from mien.errors import InputError
 from mien.face.character import Character
 from mien.face.model import Model
-from mien.formats.character_folder import read_folder, read_obj_model
-from mien.formats.gltf_read import read_gltf
-from mien.formats.lengths import UNITS
-from mien.formats.vrm import LOOKS, read_vrm
+from mien.formats.gltf.read import read_gltf
+from mien.formats.gltf.vrm import LOOKS, read_vrm
+from mien.formats.meshes.character_folder import read_folder, read_obj_model
+from mien.formats.meshes.lengths import UNITS
 from mien.rig.acts import Act, blinks, measure
 from mien.rig.build import build, facing, pupils_apart
 from mien.rig.picks import Picks, read_picks

@@ -14,7 +14,7 @@ import numpy as np
 
 from mien.errors import FormatError, InputError
 from mien.face.face import Array
-from mien.formats.toml_file import read_toml
+from mien.formats.notes.toml import read_toml
 from mien.vocabulary.fdp import feature_points
 
 Picks = Mapping[str, Array]

@@ -20,9 +20,9 @@ from typing import Any
 from mien.errors import FormatError, InputError
 from mien.face.library import generic_face
 from mien.face.model import Hooks, Model
-from mien.formats.gltf_container import open_gltf
-from mien.formats.gltf_nodes import joint_place, read_nodes
-from mien.formats.toml_file import read_toml
+from mien.formats.gltf.container import open_gltf
+from mien.formats.gltf.nodes import joint_place, read_nodes
+from mien.formats.notes.toml import read_toml
 
 NOTHING = "nothing"
 _NODES = ("head", "eye_left", "eye_right")

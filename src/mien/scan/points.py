@@ -23,9 +23,9 @@ from mien.errors import InputError, NoFaceError
 from mien.face.face import Array, Face
 from mien.face.library import generic_face
 from mien.face.mesh import Mesh
-from mien.formats.lengths import UNITS
-from mien.formats.scans import AXES as _AXES
-from mien.formats.scans import stand
+from mien.formats.meshes.lengths import UNITS
+from mien.formats.meshes.scans import AXES as _AXES
+from mien.formats.meshes.scans import stand
 from mien.numeric import rbf
 from mien.numeric.facing import ClosestPoints
 from mien.numeric.procrustes import Similarity, align, rigid_part

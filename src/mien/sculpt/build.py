@@ -17,18 +17,18 @@ from mien.face.face import Face, Part
 from mien.face.library import CHARACTERS, GENERIC, character_file
 from mien.face.store import write_character
 from mien.numeric.biharmonic import uniform_laplacian
-from mien.sculpt import jaw
+from mien.sculpt.acting import jaw
+from mien.sculpt.acting.expression import Expression
+from mien.sculpt.acting.expressions import KEYS
+from mien.sculpt.anatomy.cage import cage
+from mien.sculpt.anatomy.head import Head, neutral_head
+from mien.sculpt.anatomy.skin import labels
 from mien.sculpt.brush import ramp
-from mien.sculpt.cage import cage
 from mien.sculpt.cast import CAST
-from mien.sculpt.expression import Expression
-from mien.sculpt.expressions import KEYS
-from mien.sculpt.head import Head, neutral_head
 from mien.sculpt.materials import MATERIALS
 from mien.sculpt.occlusion import sky_seen
 from mien.sculpt.points import feature_points
 from mien.sculpt.sculpture import Sculpture, moving_parts, skin_solid, still_parts
-from mien.sculpt.skin import labels
 from mien.sculpt.solid import Solid
 from mien.sculpt.unwrap import unwrapped
 

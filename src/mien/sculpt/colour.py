@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from mien.sculpt.anatomy.head import Head
+from mien.sculpt.anatomy.skin import labels
 from mien.sculpt.brush import bump
-from mien.sculpt.head import Head
 from mien.sculpt.proportions import Triple
-from mien.sculpt.skin import labels
 from mien.vocabulary import topology
 
 Array = NDArray[np.float64]

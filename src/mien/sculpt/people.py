@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mien.face.shape_space import IDENTITY_FILE, principal_modes
+from mien.sculpt.anatomy.head import neutral_head
 from mien.sculpt.cast import CAST
-from mien.sculpt.head import neutral_head
 from mien.sculpt.proportions import Brush, Proportions
 from mien.vocabulary.landmarks import FACE_LANDMARKS
 

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.spatial import cKDTree
 
 from mien.face.face import FeaturePoints, Ints, Part
-from mien.sculpt.cage import cage
+from mien.sculpt.anatomy.cage import cage
 from mien.vocabulary import fdp, landmarks
 
 Array = NDArray[np.float64]

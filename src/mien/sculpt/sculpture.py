@@ -8,12 +8,12 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.sculpt import mouth
-from mien.sculpt.brows import brow, lashes
-from mien.sculpt.cage import cage
+from mien.sculpt.acting.expression import Expression
+from mien.sculpt.anatomy import mouth
+from mien.sculpt.anatomy.brows import brow, lashes
+from mien.sculpt.anatomy.cage import cage
+from mien.sculpt.anatomy.head import Head
 from mien.sculpt.colour import Colour, linear
-from mien.sculpt.expression import Expression
-from mien.sculpt.head import Head
 from mien.sculpt.proportions import EyeShape, Proportions
 from mien.sculpt.solid import Solid
 

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from mien.sculpt.cage import LIDS, LIPS, cage
-from mien.sculpt.skin import labels
+from mien.sculpt.anatomy.cage import LIDS, LIPS, cage
+from mien.sculpt.anatomy.skin import labels
 
 Array = NDArray[np.float64]
 Index = NDArray[np.intp]

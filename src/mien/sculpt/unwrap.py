@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-from mien.sculpt.cage import Cage, cage
+from mien.sculpt.anatomy.cage import Cage, cage
+from mien.sculpt.anatomy.head import neutral_head
 from mien.sculpt.cast.generic import GENERIC_FACE
-from mien.sculpt.head import neutral_head
 from mien.sculpt.solid import Solid
 from mien.vocabulary import topology
 

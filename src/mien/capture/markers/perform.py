@@ -21,7 +21,7 @@ from mien.capture.markers.mend import Event, mend
 from mien.capture.markers.neutral import find_rest, named_rest
 from mien.errors import FormatError, InputError
 from mien.face.face import Face
-from mien.formats.lengths import likely
+from mien.formats.meshes.lengths import likely
 from mien.numeric.noise import noise_of
 from mien.numeric.procrustes import Similarity
 from mien.performance.marker_take import MarkerTake

@@ -8,8 +8,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.capture.snakes.colour import MAGENTA_SKIN, Field
-from mien.capture.snakes.lens import (
+from mien.capture.snakes.colour.skin import USUAL_SKIN
+from mien.capture.snakes.colour.transform import MAGENTA_SKIN, Field
+from mien.capture.snakes.curves.lens import (
     LOWER,
     UPPER,
     fit_lens,
@@ -18,7 +19,6 @@ from mien.capture.snakes.lens import (
     outline,
     upper_curve,
 )
-from mien.capture.snakes.skin import USUAL_SKIN
 from mien.numeric import bezier
 
 Array = NDArray[np.float64]

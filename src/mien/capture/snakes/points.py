@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.capture.snakes.features import MOUTH, ROW
-from mien.capture.snakes.lens import LOWER, UPPER
+from mien.capture.snakes.curves.features import MOUTH, ROW
+from mien.capture.snakes.curves.lens import LOWER, UPPER
 from mien.face.character import Character
 from mien.numeric.bezier import bernstein
 

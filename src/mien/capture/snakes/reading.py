@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from mien.capture import lids
 from mien.capture.headfit import HeadFit, motion_from_neutral
 from mien.capture.landmarks import USUAL_FOCAL, WORLD_FROM_CAMERA
-from mien.capture.snakes.features import MOUTH, ROW, usual_features
-from mien.capture.snakes.lens import height
+from mien.capture.snakes.curves.features import MOUTH, ROW, usual_features
+from mien.capture.snakes.curves.lens import height
 from mien.capture.snakes.points import MM, POINTS, places
 from mien.capture.snakes.track import CurveTrack
 from mien.errors import InputError

@@ -9,10 +9,10 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.capture.snakes.box import find_face
-from mien.capture.snakes.colour import Field, Weights, magenta, window
-from mien.capture.snakes.features import FEATURES, MOUTH, ROW, usual_features
-from mien.capture.snakes.fields import (
+from mien.capture.snakes.colour.skin import skin_colour
+from mien.capture.snakes.colour.transform import Field, Weights, magenta, window
+from mien.capture.snakes.curves.features import FEATURES, MOUTH, ROW, usual_features
+from mien.capture.snakes.curves.fields import (
     Look,
     Weigh,
     brow_field,
@@ -21,7 +21,12 @@ from mien.capture.snakes.fields import (
     look_at,
     usual_weights,
 )
-from mien.capture.snakes.flow import choose, follow
+from mien.capture.snakes.curves.settle import Expected, settle
+from mien.capture.snakes.head.box import find_face
+from mien.capture.snakes.head.flow import choose, follow
+from mien.capture.snakes.head.patch import EYES, Picture, Placement
+from mien.capture.snakes.head.pose import RESTING, Pose, fit_pose
+from mien.capture.snakes.head.relief import lifted
 from mien.capture.snakes.mouth import (
     LipColour,
     Opening,
@@ -32,11 +37,6 @@ from mien.capture.snakes.mouth import (
     moustache,
     tongue_out,
 )
-from mien.capture.snakes.patch import EYES, Picture, Placement
-from mien.capture.snakes.pose import RESTING, Pose, fit_pose
-from mien.capture.snakes.relief import lifted
-from mien.capture.snakes.settle import Expected, settle
-from mien.capture.snakes.skin import skin_colour
 
 Array = NDArray[np.float64]
 Bools = NDArray[np.bool_]

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mien.capture.headfit import FRONTAL
-from mien.capture.snakes.features import MOUTH, ROW
-from mien.capture.snakes.lens import lower_curve, upper_curve
+from mien.capture.snakes.curves.features import MOUTH, ROW
+from mien.capture.snakes.curves.lens import lower_curve, upper_curve
 from mien.capture.snakes.points import POINTS, places
 from mien.capture.snakes.stepper import Seen
 

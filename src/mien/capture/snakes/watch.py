@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.capture.snakes.colour import window
-from mien.capture.snakes.features import FEATURES, NAMES
-from mien.capture.snakes.fields import field_of
-from mien.capture.snakes.lens import lower_curve, upper_curve
-from mien.capture.snakes.patch import HEIGHT, WIDTH
+from mien.capture.snakes.colour.transform import window
+from mien.capture.snakes.curves.features import FEATURES, NAMES
+from mien.capture.snakes.curves.fields import field_of
+from mien.capture.snakes.curves.lens import lower_curve, upper_curve
+from mien.capture.snakes.head.patch import HEIGHT, WIDTH
 from mien.capture.snakes.stepper import Seen
 from mien.performance.trace import Trace
 

@@ -4,7 +4,7 @@
     int32 frame number, float32 sub frame, int32 rate over int32, uint8 count, count x float32
 
 A datagram that ends before the count tells that no face is tracked. Angles have the signs of the
-app's recorded takes (see formats/livelink.py).
+app's recorded takes (see formats/takes/livelink.py).
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from dataclasses import replace
 import numpy as np
 
 from mien.errors import FormatError
-from mien.formats.livelink import LARGEST, swapped_names
+from mien.formats.takes.livelink import LARGEST, swapped_names
 from mien.numeric.euler import from_euler, to_euler
 from mien.performance.arkit_frame import ArkitFrame
 from mien.vocabulary.arkit import names

@@ -31,7 +31,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from mien.errors import MienError
 from mien.face.library import CHARACTERS, load_character
 from mien.face.pieces import split
-from mien.formats.glb import write_glb
+from mien.formats.gltf.glb import write_glb
 from mien.live.studio.messages import Note, StageSet, decode, encode
 from mien.live.studio.safety import Guard, Rules
 from mien.live.studio.session import Session

@@ -16,7 +16,7 @@ from mien.capture.stepping import STEPPERS, Stepper
 from mien.errors import InputError, MienError
 from mien.face.library import CHARACTERS, load_character
 from mien.face.pieces import split
-from mien.formats.recording import Recorder
+from mien.formats.takes.recording import Recorder
 from mien.live.stage import Moment, Stage
 from mien.live.studio import packet
 from mien.live.studio.adjust import Desk

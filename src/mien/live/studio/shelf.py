@@ -9,7 +9,7 @@ from pathlib import Path
 
 from mien.errors import InputError, OutputError
 from mien.formats.atomic import whole_file
-from mien.formats.recording import read_recording
+from mien.formats.takes.recording import read_recording
 from mien.performance.performance import Performance
 
 LARGEST_UPLOAD = 2 * 2**30

@@ -10,8 +10,8 @@ from typing import Protocol
 
 import numpy as np
 
-from mien.formats.jpeg import decode_jpeg, encode_jpeg
-from mien.formats.sources import open_source
+from mien.formats.pictures.jpeg import decode_jpeg, encode_jpeg
+from mien.formats.pictures.sources import open_source
 from mien.live.newest import Newest, keep_newest
 from mien.live.run import in_real_time
 from mien.performance.frame import Frame

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from mien.sculpt.bust import bust
+from mien.sculpt.acting.expressions import KEYS
+from mien.sculpt.acting.units import ARKIT, STARTS, UNITS
+from mien.sculpt.anatomy.bust import bust
+from mien.sculpt.anatomy.ears import EarShape, ear
+from mien.sculpt.anatomy.eyes import Iris
+from mien.sculpt.anatomy.head import Head
 from mien.sculpt.cast.human import ball_eyes, pair
 from mien.sculpt.colour import paint_skin
-from mien.sculpt.ears import EarShape, ear
-from mien.sculpt.expressions import KEYS
-from mien.sculpt.eyes import Iris
-from mien.sculpt.head import Head
 from mien.sculpt.proportions import Brush, EyeShape, HairLine, HeadShape, MouthShape, Proportions
 from mien.sculpt.sculpture import Sculpture
 from mien.sculpt.solid import Solid
-from mien.sculpt.units import ARKIT, STARTS, UNITS
 
 _SKIN, _BOWL = (0.80, 0.66, 0.58), (0.74, 0.50, 0.44)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from mien.sculpt.eyes import Iris, catch_light, eyeball
+from mien.sculpt.anatomy.eyes import Iris, catch_light, eyeball
 from mien.sculpt.proportions import EyeShape
 from mien.sculpt.solid import Solid
 

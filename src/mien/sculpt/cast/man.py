@@ -7,19 +7,19 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from mien.sculpt.acting.expressions import EXAMPLES
+from mien.sculpt.acting.repertoire import repertoire
+from mien.sculpt.anatomy.bust import bust
+from mien.sculpt.anatomy.ears import EarShape, ear
+from mien.sculpt.anatomy.eyes import Iris
+from mien.sculpt.anatomy.hair import Scalp, cap, curve, lock, shaded
+from mien.sculpt.anatomy.head import Head
+from mien.sculpt.anatomy.skin import labels
 from mien.sculpt.brush import bump
-from mien.sculpt.bust import bust
 from mien.sculpt.cast.human import TOLD_APART, ball_eyes, pair
 from mien.sculpt.colour import paint_skin
-from mien.sculpt.ears import EarShape, ear
-from mien.sculpt.expressions import EXAMPLES
-from mien.sculpt.eyes import Iris
-from mien.sculpt.hair import Scalp, cap, curve, lock, shaded
-from mien.sculpt.head import Head
 from mien.sculpt.proportions import Brush, EyeShape, HairLine, HeadShape, MouthShape, Proportions
-from mien.sculpt.repertoire import repertoire
 from mien.sculpt.sculpture import Sculpture
-from mien.sculpt.skin import labels
 from mien.sculpt.solid import Form, Solid, merged
 
 Array = NDArray[np.float64]

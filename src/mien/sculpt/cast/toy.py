@@ -8,12 +8,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial import cKDTree
 
-from mien.sculpt.bust import bust
+from mien.sculpt.acting.expressions import EXAMPLES
+from mien.sculpt.acting.repertoire import repertoire
+from mien.sculpt.anatomy.bust import bust
+from mien.sculpt.anatomy.eyes import catch_light, gaze_frame
+from mien.sculpt.anatomy.hair import Scalp, cap, curve, lock
+from mien.sculpt.anatomy.head import Head
+from mien.sculpt.anatomy.skin import labels
 from mien.sculpt.colour import linear, mix, paint_lid_edges, paint_lips, paint_mouth
-from mien.sculpt.expressions import EXAMPLES
-from mien.sculpt.eyes import catch_light, gaze_frame
-from mien.sculpt.hair import Scalp, cap, curve, lock
-from mien.sculpt.head import Head
 from mien.sculpt.proportions import (
     Brush,
     EyeShape,
@@ -23,9 +25,7 @@ from mien.sculpt.proportions import (
     Proportions,
     Temper,
 )
-from mien.sculpt.repertoire import repertoire
 from mien.sculpt.sculpture import Sculpture
-from mien.sculpt.skin import labels
 from mien.sculpt.solid import Form, Solid, ball, fan, merged, outward, sheet, tube
 
 Array = NDArray[np.float64]

@@ -6,15 +6,16 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from mien.sculpt.acting.expressions import EXAMPLES
+from mien.sculpt.acting.repertoire import repertoire
+from mien.sculpt.anatomy.bust import bust
+from mien.sculpt.anatomy.ears import EarShape, ear
+from mien.sculpt.anatomy.eyes import Iris
+from mien.sculpt.anatomy.hair import Scalp, cap, curve, lock, shaded
+from mien.sculpt.anatomy.head import Head
 from mien.sculpt.brush import ramp
-from mien.sculpt.bust import bust
 from mien.sculpt.cast.human import TOLD_APART, ball_eyes, pair
 from mien.sculpt.colour import mix, paint_skin
-from mien.sculpt.ears import EarShape, ear
-from mien.sculpt.expressions import EXAMPLES
-from mien.sculpt.eyes import Iris
-from mien.sculpt.hair import Scalp, cap, curve, lock, shaded
-from mien.sculpt.head import Head
 from mien.sculpt.proportions import (
     Brush,
     EyeShape,
@@ -24,7 +25,6 @@ from mien.sculpt.proportions import (
     Proportions,
     Temper,
 )
-from mien.sculpt.repertoire import repertoire
 from mien.sculpt.sculpture import Sculpture
 from mien.sculpt.solid import Form, Solid, merged
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from mien.face.character import Character
 from mien.face.library import generic_face, load_character
-from mien.sculpt.visemes import VISEMES
+from mien.sculpt.acting.visemes import VISEMES
 from mien.vocabulary import arkit
 
 _SPEAKER = "woman"

@@ -1,0 +1,1 @@
+"""The colour transformation of [B] eq. 1 and the network that sets it."""

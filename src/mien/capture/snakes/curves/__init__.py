@@ -1,0 +1,1 @@
+"""Blobs and the curves that come to rest on features."""

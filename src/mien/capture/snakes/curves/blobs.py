@@ -1,0 +1,93 @@
+"""Blobs [B] §3.2: the pixels of a feature, grown from seeds inside its rectangle."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from mien.capture.snakes.curves.lens import boxed, upper_curve
+
+Array = NDArray[np.float64]
+Field = NDArray[np.float32]
+Mask = NDArray[np.uint8]
+
+_OPEN = np.ones((2, 2), np.uint8)
+_CLOSE = np.ones((5, 5), np.uint8)
+_LEAST, _MOST = 0.3, 0.7
+"""What a rectangle's own threshold may be: I is made to be about 1 on features and 0 on skin."""
+_SEED = 0.15
+"""Above the threshold, from where a blob may start."""
+_NEAR = 25.0
+"""Patch units from the expected place at which a blob counts six tenths."""
+_HAIR, _TALL = 0.5, 24
+"""What is brighter than the one in a brow's rectangle, and taller than the other, is hair."""
+_LID_MARGIN = 5.0
+"""Patch units above an eye where a brow may begin."""
+_FEWEST = 20
+"""Pixels of a blob."""
+
+
+def threshold(field: Field) -> float:
+    """The value that parts the rectangle's histogram best (Otsu 1979), within bounds."""
+    levels = (field * 255.0).astype(np.uint8)
+    parted, _ = cv2.threshold(levels, 0, 255, cv2.THRESH_BINARY + cv2.THRESH_OTSU)
+    return float(np.clip(parted / 255.0, _LEAST, _MOST))
+
+
+def find_blob(field: Field, expected: Array) -> Mask | None:
+    """(H, W) 0 or 1: the blob of ``field`` that is largest and nearest to ``expected`` (2,),
+    pixels of the field; None where there is none."""
+    level = threshold(field)
+    mask = (field > level).astype(np.uint8)
+    joined = cv2.morphologyEx(
+        cv2.morphologyEx(mask, cv2.MORPH_OPEN, _OPEN), cv2.MORPH_CLOSE, _CLOSE
+    )
+    count, label, facts, middle = cv2.connectedComponentsWithStats(joined, connectivity=4)
+    best, chosen = 0.0, 0
+    for blob in range(1, count):
+        area = float(facts[blob, cv2.CC_STAT_AREA])
+        away = float(((middle[blob] - expected) ** 2).sum())
+        worth = area * np.exp(-away / (2.0 * _NEAR**2))
+        if area >= _FEWEST and worth > best and field[label == blob].max() > level + _SEED:
+            best, chosen = worth, blob
+    return (label == chosen).astype(np.uint8) if chosen else None
+
+
+def blob_lens(blob: Mask, corner: Array) -> Array:
+    """(6, 2) the first guess of the outline of a blob whose first pixel is at ``corner``."""
+    rows, columns = np.nonzero(blob)
+    first, last = columns.min(), columns.max()
+    left = np.array([first, rows[columns <= first + 1].mean()])
+    right = np.array([last, rows[columns >= last - 1].mean()])
+    along = (right - left) / max(float(np.linalg.norm(right - left)), 1.0)
+    below = (rows - left[1]) * along[0] - (columns - left[0]) * along[1]
+    top, bottom = max(-float(below.min()), 0.5), max(float(below.max()), 0.5)
+    return boxed(left + corner, right + corner, top, bottom)
+
+
+def without_hair(field: Field, expected: Array) -> Field:
+    """``field`` of a brow with what hangs in from its rectangle's rim put out, unless that is the
+    brow itself (hair over it): ``expected`` (2,) its middle, pixels of the field."""
+    _, label, facts, _ = cv2.connectedComponentsWithStats(
+        (field > _HAIR).astype(np.uint8), connectivity=4
+    )
+    columns = field.shape[1]
+    left, top, width, height, _ = facts.T
+    hanging = (left == 0) | (left + width == columns) | (top == 0)
+    over = (left < expected[0]) & (left + width > expected[0])
+    hanging &= ~over & (height > _TALL)
+    hanging[0] = False
+    if not hanging.any():
+        return field
+    return np.where(hanging[label], np.float32(0.0), field)
+
+
+def above(field: Field, lens: Array, corner: Array) -> Field:
+    """``field`` of a brow with the eye ``lens`` (6, 2) and all below it put out."""
+    edge = upper_curve(lens) - corner - np.array([0.0, _LID_MARGIN])
+    rows = field.shape[0]
+    below = np.array([[edge[-1, 0], rows], [edge[0, 0], rows]])
+    result = field.copy()
+    cv2.fillPoly(result, [np.round(np.concatenate([edge, below])).astype(np.int32)], 0.0)
+    return result

@@ -1,0 +1,1 @@
+"""Optical markers: C3D, TRC and plain tables."""

@@ -1,0 +1,1 @@
+"""Meshes without a rig: scans, OBJ files, folders of them."""

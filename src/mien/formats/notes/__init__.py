@@ -1,0 +1,1 @@
+"""Small files that people write and correct by hand."""

@@ -1,0 +1,1 @@
+"""Performances and curves as files."""

@@ -1,0 +1,1 @@
+"""What a head does: movements, expressions, visemes."""
