@@ -89,18 +89,15 @@ def test_ctrl_c_that_native_code_swallowed_is_raised_later(monkeypatch) -> None:
 def test_an_interruption_is_known_in_another_error_s_clothes(
     signum: int, code: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    class Wrapping:
+    def wrap(options: object) -> None:
         """As Python 3.11 does with what is raised while a class is made."""
-
-        @staticmethod
-        def run(options: object) -> None:
-            try:
-                signal.raise_signal(signum)
-            except BaseException as error:
-                raise RuntimeError("Error calling __set_name__") from error
+        try:
+            signal.raise_signal(signum)
+        except BaseException as error:
+            raise RuntimeError("Error calling __set_name__") from error
 
     monkeypatch.setattr(interruption, "_seen", [])
-    monkeypatch.setitem(COMMANDS, "doctor", Wrapping)
+    monkeypatch.setattr(COMMANDS["doctor"], "run", wrap)
     before = signal.getsignal(signal.SIGINT), signal.getsignal(signal.SIGTERM)
     try:
         assert run(["doctor"]) == code

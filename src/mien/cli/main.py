@@ -56,7 +56,7 @@ def run(arguments: Sequence[str] | None = None) -> int:
 
 
 def _leave(error: BaseException, options: argparse.Namespace) -> int:
-    """Say what there is to say of ``error``, and with which code to exit; raise it if nobody expects it."""
+    """Say what is to be said of ``error``; the exit code. What nobody expects is raised again."""
     signalled = interruption.exit_code(error)
     if signalled == interruption.INTERRUPTED:
         print("mien: interrupted; nothing was left behind", file=sys.stderr)
