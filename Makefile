@@ -29,7 +29,7 @@ $(UV):
 # The lock names every package; the environment is as old as the newer of lock and project file.
 .venv/.synced: $(UV) uv.lock pyproject.toml
 	@echo "setting up the environment: a minute, a gigabyte"; begin=$$(date +%s); \
-	$(UV) sync --quiet --frozen --extra landmarks --extra scan --extra studio --compile-bytecode --python $(or $(PYTHON),3) && \
+	$(UV) sync --quiet --frozen --extra landmarks --extra scan --extra studio --extra batch --compile-bytecode --python $(or $(PYTHON),3) && \
 	touch $@ && \
 	echo "environment ready in $$(( $$(date +%s) - begin )) s"
 

@@ -1,0 +1,1 @@
+"""Many takes by many characters, on one machine or on many."""

@@ -1,0 +1,1 @@
+"""The truth about one retargeting, on a page."""
