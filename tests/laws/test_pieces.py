@@ -7,7 +7,7 @@ import pytest
 
 from actors import built_in
 from mien.face.character import BLINKS, Character
-from mien.face.library import CHARACTERS
+from mien.face.library import CHARACTERS, GENERIC
 from mien.face.pieces import Pieces, region_masks, shares, side_masks, split
 
 
@@ -35,6 +35,11 @@ def test_names_are_unique_and_mirror_onto_each_other(pieces: Pieces) -> None:
     assert (partner[partner] == np.arange(len(partner))).all()
     assert (pieces.side[partner] == np.choose(pieces.side + 1, [-1, 1, 0])).all()
     assert (pieces.cells[partner] == pieces.cells[..., ::-1]).all()
+
+
+def test_a_smile_and_a_smile_of_the_left_have_pieces_of_their_own() -> None:
+    names = split(built_in(GENERIC)).names
+    assert len(set(names)) == len(names)
 
 
 def test_a_lid_and_a_jaw_are_not_cut(character: Character, pieces: Pieces) -> None:

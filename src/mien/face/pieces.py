@@ -7,6 +7,7 @@ add up to it exactly.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -160,7 +161,8 @@ def split(character: Character) -> Pieces:
         cells.extend(gathered for _, _, gathered in found)
         strongest.extend((region, side) for region, side, _ in found)
         keys.extend([key] * len(found))
-        names.extend(_piece_names(name, [(region, side) for region, side, _ in found]))
+        places = [(region, side) for region, side, _ in found]
+        names.extend(_piece_names(name, places, character.examples))
     region_of, side_of = np.array(strongest, dtype=np.intp).reshape(-1, 2).T
     return Pieces(
         names=tuple(names),
@@ -218,11 +220,14 @@ def _gather(peak: Array, visible: float, name: str, blink: bool) -> list[tuple[i
     return [(region, side, gathered) for (region, side), gathered in cells.items()]
 
 
-def _piece_names(name: str, places: list[tuple[int, int]]) -> list[str]:
+def _piece_names(name: str, places: list[tuple[int, int]], keys: Sequence[str]) -> list[str]:
     """Names of one key model's pieces: its own, then the region where it has several, then the
-    side. "blink_left", which moves one side alone, becomes "blink_L"."""
+    side. "blink_left", which moves one side alone, becomes "blink_L", unless there is a "blink"
+    among the ``keys`` whose pieces are called so."""
     one_sided = len({side for _, side in places}) == 1
     stem = name.removesuffix("_left").removesuffix("_right") if one_sided else name
+    if stem in keys:
+        stem = name
     names = []
     for region, side in places:
         where = f"_{REGIONS[region]}" if len({r for r, _ in places}) > 1 else ""

@@ -120,7 +120,10 @@ def _compared(performance: Performance, bank: Databank, face: Face) -> list[str]
     """The feature points all three have."""
     source = performance.source or "the take"
     if performance.unseen.any():
-        raise InputError(f"{source}: one camera saw no depth; a databank needs markers")
+        raise InputError(
+            f"{source}: one camera saw no depth and --databank needs it; let the databank act as a "
+            "character (-c BANK.npz)"
+        )
     if face.vertices.shape != bank.face.vertices.shape:
         raise InputError(
             f"a face of {len(face.vertices)} vertices and a databank of "
