@@ -37,6 +37,7 @@ from mien.formats.takes.recording import read_recording
 from mien.mapping import MAPPERS, Settings
 from mien.mapping.arkit import arkit_weights
 from mien.mapping.fap import fap_values
+from mien.mapping.held import with_held
 from mien.mapping.looks import look
 from mien.mapping.own import own_examples
 from mien.mapping.ranges import measure_ranges
@@ -235,8 +236,8 @@ def animate(
 
     ``gain`` exaggerates (1 leaves as it is), ``brows``, ``eyes``, ``mouth`` and ``head`` each a
     part; ``own`` is a file of moments of this performance that stand for poses of the character
-    (``formats.own_file``); ``own_range`` makes the range shown in it the character's; ``smooth``
-    False leaves the detector's tremble in.
+    (``formats.notes.own``), or a .performer with faces that were held; ``own_range`` makes the
+    range shown in it the character's; ``smooth`` False leaves the detector's tremble in.
     Weights that came under a vocabulary the character speaks pass as they are.
     Raises InputError.
     """
@@ -251,12 +252,21 @@ def animate(
         eyes=eyes,
         mouth=mouth,
         head=head,
-        own=None if own is None else own_examples(performance, read_pairs(Path(own))),
         ranges=measure_ranges(performance) if own_range else None,
     )
+    if own is not None:
+        settings = _with_own(settings, Path(own), character, performance)
     mapper = _choose(MAPPERS, mapping, "mapping")(character, performance, settings)
     curves = look(mapper(performance), character.looks)
     return smooth_curves(curves) if smooth else curves
+
+
+def _with_own(
+    settings: Settings, path: Path, character: Character, performance: Performance
+) -> Settings:
+    if path.suffix.lower() == ".performer":
+        return with_held(settings, read_performer(path).held, character, performance)
+    return replace(settings, own=own_examples(performance, read_pairs(path)))
 
 
 def animate_surface(

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from mien.errors import FormatError, InputError
 from mien.formats.notes.rectangles import read_rectangles
 from mien.formats.performer_file import read_performer, write_performer
-from mien.performance.performer import Performer
+from mien.performance.performer import HeldFace, Performer
 
 
 def some_performer() -> Performer:
@@ -26,6 +26,16 @@ def some_performer() -> Performer:
         curves={"rest": random.normal(size=(5, 6, 2))},
         poses={"snakes/smile": random.normal(size=(20, 3))},
         source="one.mp4, two.mp4",
+        held=(
+            HeldFace(
+                "landmarks",
+                "man",
+                {"smile": 1.0, "jaw_open": 0.4},
+                random.normal(size=(7, 3)),
+                np.array([0.0, 0.0, 1.0]),
+                np.array([0.1, 0.9]),
+            ),
+        ),
     )
 
 
@@ -40,6 +50,10 @@ def test_what_is_written_is_read_to_the_bit(tmp_path: Path) -> None:
         assert set(first) == set(second)
         assert all(np.array_equal(first[name], second[name]) for name in first)
         assert all(first[name].shape == second[name].shape for name in first)
+    (held,), (found,) = one.held, two.held
+    assert (held.capture, held.character, held.pose) == (found.capture, found.character, found.pose)
+    for name in ("motion", "unseen", "lids"):
+        assert np.array_equal(getattr(held, name), getattr(found, name))
 
 
 @settings(max_examples=120, deadline=None, suppress_health_check=[HealthCheck.too_slow])

@@ -14,11 +14,13 @@ from actors import FACE_ON, built_in, shown
 from mien.errors import FormatError, InputError
 from mien.formats.notes.own import read_pairs
 from mien.mapping import JointMapper, Settings
+from mien.mapping.held import with_held
 from mien.mapping.own import OwnExamples, own_examples
 from mien.mapping.ranges import measure_ranges
 from mien.mapping.suggest import order, suggest
 from mien.numeric.rotation import to_vector
 from mien.performance.performance import Performance
+from mien.performance.performer import HeldFace
 
 Array = NDArray[np.float64]
 
@@ -51,6 +53,33 @@ def test_own_examples_are_exact(unseen: Array | None) -> None:
     for row, name in enumerate(HABITS):
         wanted = mapper.pieces.key == character.keys.names.index(name)
         assert np.abs(weights[row] - wanted).max() < 1e-8
+
+
+def test_held_faces_are_exact_for_whom_they_are_meant() -> None:
+    performance, own = habitual(FACE_ON)
+    closures = np.zeros(2)
+    faces = [
+        HeldFace("a test", who, pose, own.moments.motion[row], own.moments.unseen[row], closures)
+        for row, (who, pose) in enumerate((("woman", {"smile_mouth_L": 0.8}), ("", {"fear": 1.0})))
+    ]
+    for name, exact in (("woman", True), ("man", False)):
+        character = built_in(name)
+        mapper = JointMapper(
+            character, performance, with_held(Settings(), faces, character, performance)
+        )
+        first, second = mapper(performance[:2]).weights
+        row = mapper.pieces.names.index("smile_mouth_L")
+        alone = np.isclose(first[row], 0.8) and np.isclose(np.abs(first).sum(), 0.8)
+        assert alone == exact
+        wanted = mapper.pieces.key == character.keys.names.index("fear")
+        assert np.abs(second - wanted).max() < 1e-8
+
+
+def test_held_faces_of_another_capture_are_refused() -> None:
+    performance, _ = habitual()
+    face = HeldFace("other", "", {"smile": 1.0}, np.ones((3, 3)), np.zeros(3), np.zeros(2))
+    with pytest.raises(InputError, match="another capture"):
+        with_held(Settings(), [face], built_in("woman"), performance)
 
 
 def test_half_of_an_own_example_is_about_half() -> None:

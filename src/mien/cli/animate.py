@@ -89,7 +89,7 @@ def add_acting_options(parser: argparse.ArgumentParser, output: str | None) -> N
         type=Path,
         metavar="FILE",
         help="moments of the take that stand for poses of the character: [[example]] with "
-        "seconds = 3.2 and pose = { smile = 1.0 }",
+        "seconds = 3.2 and pose = { smile = 1.0 }; or a .performer with faces that were held",
     )
     parser.add_argument(
         "--own-range",

@@ -18,11 +18,13 @@ from mien.face.character import Character
 from mien.face.library import generic_face
 from mien.mapping import MAPPERS, Mapper, Settings
 from mien.mapping.arkit import ArkitMapper
+from mien.mapping.held import with_held
 from mien.performance.arkit_frame import ArkitFrame, performance_of
 from mien.performance.curves import Curves
 from mien.performance.filters import Smoother
 from mien.performance.frame import Frame
 from mien.performance.performance import Performance
+from mien.performance.performer import HeldFace
 from mien.vocabulary.arkit import names
 
 State = Literal["waiting", "following", "lost"]
@@ -54,14 +56,17 @@ class Stage:
         *,
         mapping: str = "cardinal",
         settings: Settings | None = None,
+        held: Sequence[HeldFace] = (),
         speak: bool = False,
     ) -> None:
-        """``stepper`` sees pictures, and is not needed by those who only ``hear``; ``speak`` also
-        tells every moment in ARKit's words. Raises KeyError for an unknown ``mapping``."""
+        """``stepper`` sees pictures, and is not needed by those who only ``hear``; ``held``
+        are faces of the performer that stand for what characters do; ``speak`` also tells every
+        moment in ARKit's words. Raises KeyError for an unknown ``mapping``."""
         self._characters = tuple(characters)
         self._stepper = stepper
         self._build = MAPPERS[mapping]
         self._settings = settings or Settings()
+        self._held = held
         self._speak = speak
         self._header: Performance | None = None
         self._mappers: dict[str, Mapper] = {}
@@ -126,7 +131,11 @@ class Stage:
             return
         self._header = performance
         self._mappers = {
-            character.name: self._build(character, performance, self._settings)
+            character.name: self._build(
+                character,
+                performance,
+                with_held(self._settings, self._held, character, performance),
+            )
             for character in self._characters
         }
         self._smoothers = {character.name: Smoother() for character in self._characters}

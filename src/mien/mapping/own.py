@@ -75,16 +75,20 @@ def frames_of(performance: Performance, rows: Sequence[int]) -> Performance:
 
 
 def pose_weights(own: OwnExamples, character: Character, pieces: Pieces) -> Array:
-    """(M, W) weights of the pieces. Raises InputError for a key model the character has not."""
+    """(M, W) weights of the pieces; a pose may name whole key models or single pieces. Raises
+    InputError for a key model the character has not."""
     weights = np.zeros((len(own.poses), len(pieces.names)))
     for row, pose in zip(weights, own.poses, strict=True):
         for name, level in pose.items():
-            if name not in character.examples:
+            if name in pieces.names:
+                row[pieces.names.index(name)] = level
+            elif name in character.examples:
+                row[pieces.key == character.keys.names.index(name)] = level
+            else:
                 raise InputError(
                     f"own example '{name}': {character.name} does not act by a key model of that "
                     "name; see 'mien character list'"
                 )
-            row[pieces.key == character.keys.names.index(name)] = level
     return weights
 
 

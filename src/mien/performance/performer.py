@@ -12,6 +12,24 @@ Array = NDArray[np.float64]
 Section = Mapping[str, Array]
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class HeldFace:
+    """A face that was held, and what a character is to do then."""
+
+    capture: str
+    """The capture that saw it: its points are meant."""
+    character: str
+    """Who is meant; empty for all that have the key models of ``pose``."""
+    pose: Mapping[str, float]
+    """Weights of key models or of their pieces; the others are 0."""
+    motion: Array
+    """(P, 3) mm from neutral, head frame."""
+    unseen: Array
+    """(3,) direction along which nothing was measured."""
+    lids: Array
+    """(2,) closure of the left and right eye."""
+
+
 @dataclass(frozen=True, slots=True)
 class Performer:
     """Named arrays, a section for each capture; each capture knows its own (see
@@ -26,3 +44,5 @@ class Performer:
     of the capture's points."""
     source: str = ""
     """The takes it was learnt from, for a person to read."""
+    held: tuple[HeldFace, ...] = ()
+    """Faces that stand for what single characters do."""
