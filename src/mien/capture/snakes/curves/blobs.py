@@ -35,26 +35,26 @@ def threshold(field: Field) -> float:
     return float(np.clip(parted / 255.0, _LEAST, _MOST))
 
 
-def find_blob(field: Field, expected: Array) -> Mask | None:
+def find_blob(field: Field, expected: Array, pitch: float = 1.0) -> Mask | None:
     """(H, W) 0 or 1: the blob of ``field`` that is largest and nearest to ``expected`` (2,),
-    pixels of the field; None where there is none."""
+    pixels of the field, which are ``pitch`` patch units apart; None where there is none."""
     level = threshold(field)
     mask = (field > level).astype(np.uint8)
-    joined = cv2.morphologyEx(
-        cv2.morphologyEx(mask, cv2.MORPH_OPEN, _OPEN), cv2.MORPH_CLOSE, _CLOSE
-    )
+    if pitch == 1.0:
+        mask = cv2.morphologyEx(mask, cv2.MORPH_OPEN, _OPEN)
+    joined = cv2.morphologyEx(mask, cv2.MORPH_CLOSE, _CLOSE if pitch == 1.0 else _CLOSE[1:4, 1:4])
     count, label, facts, middle = cv2.connectedComponentsWithStats(joined, connectivity=4)
     best, chosen = 0.0, 0
     for blob in range(1, count):
         area = float(facts[blob, cv2.CC_STAT_AREA])
         away = float(((middle[blob] - expected) ** 2).sum())
-        worth = area * np.exp(-away / (2.0 * _NEAR**2))
-        if area >= _FEWEST and worth > best and field[label == blob].max() > level + _SEED:
+        worth = area * np.exp(-away * pitch**2 / (2.0 * _NEAR**2))
+        if area * pitch**2 >= _FEWEST and worth > best and field[label == blob].max() > level + _SEED:
             best, chosen = worth, blob
     return (label == chosen).astype(np.uint8) if chosen else None
 
 
-def blob_lens(blob: Mask, corner: Array) -> Array:
+def blob_lens(blob: Mask, corner: Array, pitch: float = 1.0) -> Array:
     """(6, 2) the first guess of the outline of a blob whose first pixel is at ``corner``."""
     rows, columns = np.nonzero(blob)
     first, last = columns.min(), columns.max()
@@ -63,7 +63,7 @@ def blob_lens(blob: Mask, corner: Array) -> Array:
     along = (right - left) / max(float(np.linalg.norm(right - left)), 1.0)
     below = (rows - left[1]) * along[0] - (columns - left[0]) * along[1]
     top, bottom = max(-float(below.min()), 0.5), max(float(below.max()), 0.5)
-    return boxed(left + corner, right + corner, top, bottom)
+    return boxed(pitch * left + corner, pitch * right + corner, pitch * top, pitch * bottom)
 
 
 def without_hair(field: Field, expected: Array) -> Field:

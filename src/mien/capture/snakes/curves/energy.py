@@ -52,6 +52,8 @@ class Terms:
     reach: float = 2.0
     """Patch units from the curve to its offset curves."""
     least_width: float = 0.0
+    pitch: float = 1.0
+    """Patch units from one pixel of the field to the next."""
 
 
 def energy(
@@ -66,13 +68,24 @@ def energy(
 
 def packed(terms: Terms) -> Array:
     """The numbers of ``terms`` as the kernels take them."""
-    return np.array([terms.edge, terms.outside, terms.inside, terms.reach, terms.least_width])
+    return np.array(
+        [
+            terms.edge,
+            terms.outside,
+            terms.inside,
+            terms.reach,
+            terms.least_width,
+            terms.pitch,
+        ]
+    )
 
 
 @njit(cache=True, nogil=True, fastmath=True, inline="always")
-def _look(field: Field, x: float, y: float) -> tuple[float, float, float]:
-    """Bilinear value of the field and its slopes by x and y; beyond its rim it goes on level."""
+def _look(field: Field, x: float, y: float, grain: float) -> tuple[float, float, float]:
+    """Bilinear value of the field and its slopes by x and y, ``grain`` pixels a unit; beyond its
+    rim it goes on level."""
     rows, columns = field.shape
+    x, y = x * grain, y * grain
     inside_x = 0.0 <= x <= columns - 1.000001
     inside_y = 0.0 <= y <= rows - 1.000001
     x = min(max(x, 0.0), columns - 1.000001)
@@ -84,7 +97,7 @@ def _look(field: Field, x: float, y: float) -> tuple[float, float, float]:
     above, below = a + fx * (b - a), c + fx * (d - c)
     slope_x = ((b - a) + fy * ((d - c) - (b - a))) if inside_x else 0.0
     slope_y = (below - above) if inside_y else 0.0
-    return above + fy * (below - above), slope_x, slope_y
+    return above + fy * (below - above), slope_x * grain, slope_y * grain
 
 
 @njit(cache=True, nogil=True, fastmath=True)
@@ -99,6 +112,7 @@ def evaluate(
 ) -> float:
     """E; its gradient (12,) is written into ``gradient``."""
     edge, outside, inside, reach, least = terms[0], terms[1], terms[2], terms[3], terms[4]
+    grain = 1.0 / terms[5]
     total = 0.0
     for i in range(12):
         row = 0.0
@@ -123,10 +137,10 @@ def evaluate(
             nx, ny = -sign * ty, sign * tx
             apart += y if c == 1 else -y
             x0, y0 = x - corner[0], y - corner[1]
-            near, near_x, near_y = _look(field, x0 + HALF_STEP * nx, y0 + HALF_STEP * ny)
-            far, far_x, far_y = _look(field, x0 - HALF_STEP * nx, y0 - HALF_STEP * ny)
-            into, into_x, into_y = _look(field, x0 + reach * nx, y0 + reach * ny)
-            away, away_x, away_y = _look(field, x0 - reach * nx, y0 - reach * ny)
+            near, near_x, near_y = _look(field, x0 + HALF_STEP * nx, y0 + HALF_STEP * ny, grain)
+            far, far_x, far_y = _look(field, x0 - HALF_STEP * nx, y0 - HALF_STEP * ny, grain)
+            into, into_x, into_y = _look(field, x0 + reach * nx, y0 + reach * ny, grain)
+            away, away_x, away_y = _look(field, x0 - reach * nx, y0 - reach * ny, grain)
             slope = max((near - far) / (2.0 * HALF_STEP), 0.0)
             total += share * (outside * away - inside * into - edge * slope * slope)
             pull = -edge * slope / HALF_STEP

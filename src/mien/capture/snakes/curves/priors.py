@@ -5,6 +5,8 @@ The prior of a lens x is sum w |A x - A x0|^2 over its parts; together x' Q x - 
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -58,21 +60,27 @@ def prior(group: str, rest: Array, last: Array, known: bool) -> tuple[Array, Arr
     """Q (12, 12) and b (12,) of a feature of ``group`` that looks like ``rest`` (6, 2) at rest
     and was ``last`` (6, 2) in the frame before; ``known`` says that ``rest`` is the performer's
     own."""
+    quadratic, to_rest, to_last = _squares(group, known)
+    return quadratic, to_rest @ rest.reshape(12) + to_last @ last.reshape(12)
+
+
+@cache
+def _squares(group: str, known: bool) -> tuple[Array, Array, Array]:
+    """(12, 12) each: Q, and its shares that pull to rest and to the last place."""
     if group == "eye":
-        return _form((_CORNERS, _ENDS, rest), (_LIDS, _MIDDLES, last), (_EVENNESS, _EVEN, rest))
-    if group == "brow":
+        to_rest = _square(_CORNERS, _ENDS) + _square(_EVENNESS, _EVEN)
+        to_last = _square(_LIDS, _MIDDLES)
+    elif group == "brow":
         trust = 1.0 if known else _STRANGER
-        shape, thickness = trust * _BROW_SHAPE, trust * _BROW_THICKNESS
-        return _form(
-            (shape, _SHAPE, rest), (thickness, _THICKNESS, rest), (_BROW_ALONG, _ALONG, rest)
-        )
-    return _form((_LIPS, _WHOLE, last), (_EVENNESS, _EVEN, rest), (_LIP_CORNERS, _LIFTED, rest))
+        shape = _square(trust * _BROW_SHAPE, _SHAPE)
+        thickness = _square(trust * _BROW_THICKNESS, _THICKNESS)
+        to_rest = shape + thickness + _square(_BROW_ALONG, _ALONG)
+        to_last = np.zeros((12, 12))
+    else:
+        to_rest = _square(_EVENNESS, _EVEN) + _square(_LIP_CORNERS, _LIFTED)
+        to_last = _square(_LIPS, _WHOLE)
+    return to_rest + to_last, to_rest, to_last
 
 
-def _form(*parts: tuple[float, Array, Array]) -> tuple[Array, Array]:
-    quadratic, linear = np.zeros((12, 12)), np.zeros(12)
-    for weight, pick, wanted in parts:
-        square = weight * pick.T @ pick
-        quadratic += square
-        linear += square @ wanted.reshape(12)
-    return quadratic, linear
+def _square(weight: float, pick: Array) -> Array:
+    return np.asarray(weight * pick.T @ pick)

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import cv2
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from mien.capture.snakes.colour.transform import Field
 from mien.capture.snakes.curves.blobs import blob_lens, find_blob
-from mien.capture.snakes.curves.energy import Terms, descend, energy, packed
+from mien.capture.snakes.curves.energy import Terms, descend, evaluate, packed
 from mien.capture.snakes.curves.lens import tallness
 from mien.capture.snakes.curves.priors import prior
 
@@ -23,12 +23,12 @@ _STEPS = (10, 10, 12)
 _FIRST_STEP = (2.0, 1.0, 1.0)
 _REACH, _LEAST_REACH, _MOST_REACH = 0.2, 1.2, 6.0
 """Distance of the offset curves, in heights of the lens, and its bounds."""
+_NEGLIGIBLE = 0.3
+"""Pixels of a blur that changes nothing."""
 _THICKEST_BROW = 24.0
 """A taller blob is hair."""
 _NARROWEST = {"brow": 0.0, "eye": 0.0, "lip": 38.0}
 _TALLER, _FLATTER = 1.25, 0.8
-_NOTHING = np.zeros((12, 12)), np.zeros(12)
-
 LEAST_CONTRAST = {"brow": 0.08, "eye": 0.12, "lip": 0.12}
 """Mean difference of I across the curves below which a feature counts as lost."""
 _FARTHEST = {"brow": 26.0, "eye": 14.0, "lip": 45.0}
@@ -38,6 +38,10 @@ _WIDEST = {"brow": 100.0, "eye": 66.0, "lip": 115.0}
 _MOST_LEAN = np.cos(np.radians(35.0))
 """Of the line between the ends from that at rest. Mouths of grimaces lean up to 32 degrees, shadows
 between the fingers of a hand 50: they have the darkness and the edges of a mouth, but not this."""
+_LIMITS = {
+    group: np.array([LEAST_CONTRAST[group], _FARTHEST[group], _TALLEST[group], _WIDEST[group]])
+    for group in LEAST_CONTRAST
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,51 +71,110 @@ class Expected:
     """It was lost in the frame before."""
 
 
-def settle(group: str, field: Field, corner: Array, expected: Expected) -> Settled:
+def settle(
+    group: str, field: Field, corner: Array, expected: Expected, pitch: float = 1.0
+) -> Settled:
     """The lens of a feature of ``group`` on its rectangle's ``field``, whose first pixel is at
-    ``corner``. Lips are sought from several starts, for they move fast; others from the last
-    frame, and from their blob where that leads to nothing."""
-    quadratic, linear = prior(group, expected.rest, expected.last, expected.known)
-    width = _NARROWEST[group]
-    blurred = [
-        np.asarray(cv2.GaussianBlur(field, (0, 0), blur), dtype=np.float32) for blur in _BLURS
-    ]
+    ``corner`` and whose pixels are ``pitch`` patch units apart. Lips are sought from several
+    starts, for they move fast; others from the last frame, and from their blob where that leads
+    to nothing."""
+    starts = np.stack(_starts(group, field, corner, expected, pitch)).reshape(-1, 12)
+    place, value, across, lost = _come_to_rest(
+        starts,
+        tuple(_blurred(field, blur, pitch) for blur in _BLURS),
+        corner,
+        packed(Terms(least_width=_NARROWEST[group], pitch=pitch)),
+        *prior(group, expected.rest, expected.last, expected.known),
+        expected.rest,
+        _LIMITS[group],
+    )
+    return Settled(place.reshape(6, 2), value, across, lost)
 
-    def slide(lens: Array, level: int) -> tuple[Array, float]:
+
+def _blurred(field: Field, blur: float, pitch: float) -> Field:
+    """``field`` blurred by ``blur`` patch units, of which its pixels have taken a share."""
+    left = np.sqrt(max(blur**2 - (pitch**2 - 1.0) / 12.0, 0.0)) / pitch
+    if left < _NEGLIGIBLE:
+        return field
+    return np.asarray(cv2.GaussianBlur(field, (0, 0), left), dtype=np.float32)
+
+
+@njit(cache=True, nogil=True)
+def _come_to_rest(
+    starts: Array,
+    fields: tuple[Field, Field, Field],
+    corner: Array,
+    terms: Array,
+    quadratic: Array,
+    linear: Array,
+    rest: Array,
+    limits: Array,
+) -> tuple[Array, float, float, bool]:
+    """Lens (12,), energy, contrast, and whether it is lost: the best of the starts (S, 12) on the
+    coarse field, brought to rest on the finer ones."""
+    best, least = starts[0], np.inf
+    for start in range(len(starts)):
+        terms[3] = _reach(starts[start])
         place, value = descend(
-            lens.reshape(12),
-            blurred[level],
+            starts[start], fields[0], corner, terms, quadratic, linear, _STEPS[0], _FIRST_STEP[0]
+        )
+        if value < least:
+            best, least = place, value
+    for level in range(1, len(_STEPS)):
+        terms[3] = _reach(best)
+        best, least = descend(
+            best,
+            fields[level],
             corner,
-            packed(Terms(reach=_reach(lens), least_width=width)),
+            terms,
             quadratic,
             linear,
             _STEPS[level],
             _FIRST_STEP[level],
         )
-        return place.reshape(6, 2), value
-
-    starts = _starts(group, field, corner, expected)
-    lens, value = min((slide(start, 0) for start in starts), key=lambda slid: slid[1])
-    for level in range(1, len(_BLURS)):
-        lens, value = slide(lens, level)
-    across, _ = energy(lens, blurred[1], corner, Terms(0.0, 1.0, 1.0, _reach(lens)), *_NOTHING)
-    lost = -across < LEAST_CONTRAST[group] or _wild(group, lens, expected.rest)
-    return Settled(lens, value, -across, lost)
+    bare = terms.copy()
+    bare[0], bare[3], bare[4] = 0.0, _reach(best), 0.0
+    nothing = np.zeros((12, 12))
+    across = -evaluate(best, fields[1], corner, bare, nothing, nothing[0], np.empty(12))
+    lost = across < limits[0] or _wild(best.reshape(6, 2), rest, limits)
+    return best, least, across, lost
 
 
+@njit(cache=True, nogil=True)
 def _reach(lens: Array) -> float:
-    return min(max(_REACH * tallness(lens), _LEAST_REACH), _MOST_REACH)
+    return min(max(_REACH * tallness(lens.reshape(6, 2)), _LEAST_REACH), _MOST_REACH)
 
 
-def _starts(group: str, field: Field, corner: Array, expected: Expected) -> Sequence[Array]:
+@njit(cache=True, nogil=True)
+def _wild(lens: Array, rest: Array, limits: Array) -> bool:
+    """Whether a lens (6, 2) is where, or as, no feature can be."""
+    away_x, away_y = 0.0, 0.0
+    for point in range(6):
+        away_x += (lens[point, 0] - rest[point, 0]) / 6.0
+        away_y += (lens[point, 1] - rest[point, 1]) / 6.0
+    x, y = lens[1, 0] - lens[0, 0], lens[1, 1] - lens[0, 1]
+    u, v = rest[1, 0] - rest[0, 0], rest[1, 1] - rest[0, 1]
+    wide = np.hypot(x, y)
+    along = (x * u + y * v) / max(wide * np.hypot(u, v), 1e-9)
+    return (
+        np.hypot(away_x, away_y) > limits[1]
+        or tallness(lens) > limits[2]
+        or wide > limits[3]
+        or along < _MOST_LEAN
+    )
+
+
+def _starts(
+    group: str, field: Field, corner: Array, expected: Expected, pitch: float
+) -> list[Array]:
     last = expected.last
     starts = [last]
     blob = None
     # Blobs cost a third of the time, and lead brows and eyes nowhere they would not go.
     if group == "lip" or expected.lost or not expected.known:
-        blob = find_blob(field, last.mean(axis=0) - corner)
+        blob = find_blob(field, (last.mean(axis=0) - corner) / pitch, pitch)
     if blob is not None:
-        lens = blob_lens(blob, corner)
+        lens = blob_lens(blob, corner, pitch)
         if group != "brow" or tallness(lens) <= _THICKEST_BROW:
             starts.append(lens)
     if group == "lip":
@@ -120,16 +183,3 @@ def _starts(group: str, field: Field, corner: Array, expected: Expected) -> Sequ
     if group == "lip" or expected.lost:
         starts.append(expected.rest)
     return starts
-
-
-def _wild(group: str, lens: Array, rest: Array) -> bool:
-    away = float(np.linalg.norm(lens.mean(axis=0) - rest.mean(axis=0)))
-    chord, resting = lens[1] - lens[0], rest[1] - rest[0]
-    wide = float(np.linalg.norm(chord))
-    along = float(chord @ resting) / max(wide * float(np.linalg.norm(resting)), 1e-9)
-    return bool(
-        away > _FARTHEST[group]
-        or tallness(lens) > _TALLEST[group]
-        or wide > _WIDEST[group]
-        or along < _MOST_LEAN
-    )
