@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import daqp
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from mien.numeric.pivoting import pivot, pivot_each
 
-_TOLERANCE = 1e-10
-"""By which a bound may be broken before it is clipped: what the free unknowns then are off by."""
+Array = NDArray[np.float64]
 
 
 def solve_boxes(hessians: Array, linear: Array, lower: Array, upper: Array) -> Array:
@@ -19,28 +17,16 @@ def solve_boxes(hessians: Array, linear: Array, lower: Array, upper: Array) -> A
     ``linear`` (F, W); ``lower``, ``upper`` (W,). Returns (F, W).
 
     Each problem starts from the active bounds of the one before it, which changes how long it
-    takes and nothing else: the minimum is unique. The solver lives only as long as the call, so
-    threads do not meet.
+    takes and nothing else: the minimum is unique. Raises ArithmeticError where there is none.
     """
-    solutions = np.empty_like(linear)
-    if not linear.size:
-        return solutions
-    hessians = np.ascontiguousarray(hessians, dtype=float)
-    linear = np.ascontiguousarray(linear, dtype=float)
-    model = daqp.Model()
-    model.settings = {"primal_tol": _TOLERANCE}
-    model.setup(hessians[0], linear[0], np.zeros((0, len(lower))), upper, lower)
-    shared = len(hessians) == 1
-    for i, f in enumerate(linear):
-        if i and shared:
-            model.update(f=f)
-        elif i:
-            model.update(H=hessians[i], f=f)
-        x, _, flag, _ = model.solve()
-        if flag < 1:
-            raise ArithmeticError(f"daqp stopped with flag {flag}")
-        solutions[i] = x
-    return np.clip(solutions, lower, upper)
+    return _found(
+        pivot_each(
+            np.ascontiguousarray(hessians, dtype=float),
+            np.ascontiguousarray(linear, dtype=float),
+            np.ascontiguousarray(lower, dtype=float),
+            np.ascontiguousarray(upper, dtype=float),
+        )
+    )
 
 
 def kkt_residual(
@@ -71,24 +57,24 @@ def solve_chain(
     last = len(x) - 1
     if last < 1:
         return x
-    size = len(hessian)
-    models = {}
-    for neighbours in (1, 2):
-        models[neighbours] = daqp.Model()
-        stiff = np.ascontiguousarray(hessian + neighbours * coupling * np.eye(size))
-        models[neighbours].setup(stiff, linear[0], np.zeros((0, size)), upper, lower)
+    stiff = [hessian + neighbours * coupling * np.eye(len(hessian)) for neighbours in (1, 2)]
+    sides = np.zeros(x.shape, dtype=np.int8)
     stale = np.full(last + 1, np.inf)
     order = 1
     while len(frames := np.flatnonzero(stale > tolerance)):
         for i in frames[::order].tolist():
             beside = x[i - 1] if i == last else x[i + 1] if i == 0 else x[i - 1] + x[i + 1]
-            model = models[1 if i in (0, last) else 2]
-            model.update(f=linear[i] - coupling * beside)
-            new, _, flag, _ = model.solve()
-            if flag < 1:
-                raise ArithmeticError(f"daqp stopped with flag {flag}")
+            pulled = linear[i] - coupling * beside
+            new = _found(pivot(stiff[0 < i < last], pulled, lower, upper, sides[i]))
             stale[max(i - 1, 0) : i + 2] += np.abs(new - x[i]).max()
             stale[i] = 0.0
             x[i] = new
         order = -order
-    return np.clip(x, lower, upper)
+    return x
+
+
+def _found(solutions: Array) -> Array:
+    """``solutions``, if there are any. Raises ArithmeticError."""
+    if np.isnan(solutions).any():
+        raise ArithmeticError("a quadratic programme has no minimum: its matrix is not positive")
+    return solutions
