@@ -115,11 +115,30 @@ def test_both_ways_has_no_lag() -> None:
 def test_frames_smooth_alone_as_in_a_take(wandering: Curves) -> None:
     whole = causal(wandering)
     live = Smoother()
-    per_frame = [field.name for field in fields(Curves) if field.name not in ("character", "names")]
     for i in range(len(wandering)):
-        one = live(replace(wandering, **{n: getattr(wandering, n)[i : i + 1] for n in per_frame}))
+        one = live(_part(wandering, slice(i, i + 1)))
         for name in ("weights", "rotation", "translation", "gaze"):
             assert np.abs(getattr(one, name)[0] - getattr(whole, name)[i]).max() < 1e-9
+
+
+def test_a_cast_smooths_as_each_of_it_alone(wandering: Curves) -> None:
+    other = replace(
+        wandering, weights=wandering.weights[:, :1] ** 2, translation=np.full((120, 3), 4.0)
+    )
+    live = Smoother()
+    halves = [
+        live.together([_part(c, part) for c in (wandering, other)])
+        for part in (slice(0, 50), slice(50, 120))
+    ]
+    for number, alone in enumerate((causal(wandering), causal(other))):
+        for name in ("weights", "rotation", "translation", "gaze"):
+            whole = np.concatenate([getattr(half[number], name) for half in halves])
+            assert np.abs(whole - getattr(alone, name)).max() < 1e-12
+
+
+def _part(take: Curves, part: slice) -> Curves:
+    per_frame = [field.name for field in fields(Curves) if field.name not in ("character", "names")]
+    return replace(take, **{name: getattr(take, name)[part] for name in per_frame})
 
 
 def test_the_rate_of_the_film_does_not_matter() -> None:

@@ -70,7 +70,7 @@ class Stage:
         self._speak = speak
         self._header: Performance | None = None
         self._mappers: dict[str, Mapper] = {}
-        self._smoothers: dict[str, Smoother] = {}
+        self._smoother = Smoother()
         self._voice: _Voice | None = None
         self._begin: ArkitFrame | None = None
 
@@ -113,9 +113,8 @@ class Stage:
         heard = bool(performance.vocabulary and not performance.points)
         moved = motion_from_shapes(performance, generic_face()) if heard else performance
         self._meet(moved)
-        curves = {
-            name: self._smoothers[name](mapper(moved)) for name, mapper in self._mappers.items()
-        }
+        mapped = [mapper(moved) for mapper in self._mappers.values()]
+        curves = dict(zip(self._mappers, self._smoother.together(mapped), strict=True))
         return Moment(
             time,
             "lost" if performance.lost[0] else "following",
@@ -138,7 +137,7 @@ class Stage:
             )
             for character in self._characters
         }
-        self._smoothers = {character.name: Smoother() for character in self._characters}
+        self._smoother = Smoother()
         if self._speak:
             self._voice = _Voice(performance)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -60,16 +61,21 @@ class Smoother:
 
     def __call__(self, curves: Curves) -> Curves:
         """The next frames, smoothed and eased to rest where the performer is lost."""
-        if not len(curves):
-            return curves
+        return self.together([curves])[0]
+
+    def together(self, cast: Sequence[Curves]) -> list[Curves]:
+        """The next frames of several characters whom one performer drives; always the same ones."""
+        if not cast or not len(cast[0]):
+            return list(cast)
+        time = cast[0].time
         filtered = {}
-        for kind, signal in _signals(curves).items():
+        for kind, signal in _signals(cast).items():
             setting = getattr(self._smoothing, kind)
             filtered[kind], self._memory[kind] = filter_forward(
-                signal, curves.time, setting, self._memory.get(kind)
+                signal, time, setting, self._memory.get(kind)
             )
-        share, self._presence = _presence(curves.time, curves.lost, self._presence)
-        return _ease(_assemble(curves, filtered), share)
+        share, self._presence = _presence(time, cast[0].lost, self._presence)
+        return _assemble(cast, _ease(filtered, share))
 
 
 def smooth(curves: Curves, smoothing: Smoothing = OFFLINE) -> Curves:
@@ -78,31 +84,47 @@ def smooth(curves: Curves, smoothing: Smoothing = OFFLINE) -> Curves:
         return curves
     filtered = {
         kind: filter_both_ways(signal, curves.time, getattr(smoothing, kind))
-        for kind, signal in _signals(curves).items()
+        for kind, signal in _signals([curves]).items()
     }
     share, _ = _presence(curves.time, curves.lost, None)
-    return _ease(_assemble(curves, filtered), share)
+    return _assemble([curves], _ease(filtered, share))[0]
 
 
-def _signals(curves: Curves) -> dict[str, Array]:
-    """(F, G, D) each, named as in Smoothing. No head turns half round, so that rotation vectors
-    are as good as any."""
+def _signals(cast: Sequence[Curves]) -> dict[str, Array]:
+    """(F, G, D) each, named as in Smoothing, character after character. No head turns half round,
+    so that rotation vectors are as good as any."""
     return {
-        "weights": curves.weights[..., None],
-        "rotation": to_vector(curves.rotation)[:, None],
-        "translation": curves.translation[:, None],
-        "gaze": curves.gaze,
+        "weights": np.concatenate([curves.weights for curves in cast], axis=1)[..., None],
+        "rotation": to_vector(np.stack([curves.rotation for curves in cast], axis=1)),
+        "translation": np.stack([curves.translation for curves in cast], axis=1),
+        "gaze": np.concatenate([curves.gaze for curves in cast], axis=1),
     }
 
 
-def _assemble(curves: Curves, filtered: dict[str, Array]) -> Curves:
-    return replace(
-        curves,
-        weights=filtered["weights"][..., 0],
-        rotation=from_vector(filtered["rotation"][:, 0]),
-        translation=filtered["translation"][:, 0],
-        gaze=filtered["gaze"],
-    )
+def _assemble(cast: Sequence[Curves], filtered: dict[str, Array]) -> list[Curves]:
+    """``cast`` with its signals replaced by ``filtered`` ones."""
+    rotation, weights = from_vector(filtered["rotation"]), filtered["weights"][..., 0]
+    smoothed, first = [], 0
+    for number, curves in enumerate(cast):
+        last = first + curves.weights.shape[1]
+        smoothed.append(
+            replace(
+                curves,
+                weights=weights[:, first:last],
+                rotation=rotation[:, number],
+                translation=filtered["translation"][:, number],
+                gaze=filtered["gaze"][:, 2 * number : 2 * number + 2],
+            )
+        )
+        first = last
+    return smoothed
+
+
+def _ease(signals: dict[str, Array], share: Array) -> dict[str, Array]:
+    """``signals`` drawn to rest, which is 0 for each, where ``share`` (F,) is below 1."""
+    if (share == 1.0).all():
+        return signals
+    return {kind: signal * share[:, None, None] for kind, signal in signals.items()}
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,16 +152,3 @@ def _presence(
         state = _Presence(now, lost_for, level)
         shares[i] = level * level * (3.0 - 2.0 * level)
     return shares, state
-
-
-def _ease(curves: Curves, share: Array) -> Curves:
-    """``curves`` drawn to rest where ``share`` (F,) is below 1."""
-    if (share == 1.0).all():
-        return curves
-    return replace(
-        curves,
-        weights=curves.weights * share[:, None],
-        rotation=from_vector(to_vector(curves.rotation) * share[:, None]),
-        translation=curves.translation * share[:, None],
-        gaze=curves.gaze * share[:, None, None],
-    )
