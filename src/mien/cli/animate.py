@@ -73,6 +73,23 @@ def add_acting_options(parser: argparse.ArgumentParser, output: str | None) -> N
         "PERFORMER.obj on the performer's own neutral of the same mesh, and tells -c NAME what no "
         "marker shows",
     )
+    add_gain_options(parser)
+    parser.add_argument(
+        "--own",
+        type=Path,
+        metavar="FILE",
+        help="moments of the take that stand for poses of the character: [[example]] with "
+        "seconds = 3.2 and pose = { smile = 1.0 }; or a .performer with faces that were held",
+    )
+    parser.add_argument(
+        "--no-head", action="store_true", help="the head turns but does not leave its place"
+    )
+    parser.add_argument("--no-filter", action="store_true", help="leave the detector's tremble in")
+    parser.add_argument("--no-preview", action="store_true", help="write no preview.mp4")
+
+
+def add_gain_options(parser: argparse.ArgumentParser) -> None:
+    """How strongly is acted."""
     parser.add_argument(
         "--gain", type=positive, default=1.0, help="exaggerate (default: 1, as it was)"
     )
@@ -85,22 +102,10 @@ def add_acting_options(parser: argparse.ArgumentParser, output: str | None) -> N
             help=f"exaggerate the {part} alone (default: 1)",
         )
     parser.add_argument(
-        "--own",
-        type=Path,
-        metavar="FILE",
-        help="moments of the take that stand for poses of the character: [[example]] with "
-        "seconds = 3.2 and pose = { smile = 1.0 }; or a .performer with faces that were held",
-    )
-    parser.add_argument(
         "--own-range",
         action="store_true",
         help="make the range the performer shows in the take the character's",
     )
-    parser.add_argument(
-        "--no-head", action="store_true", help="the head turns but does not leave its place"
-    )
-    parser.add_argument("--no-filter", action="store_true", help="leave the detector's tremble in")
-    parser.add_argument("--no-preview", action="store_true", help="write no preview.mp4")
 
 
 def run(options: argparse.Namespace) -> None:

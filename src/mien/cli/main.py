@@ -12,6 +12,7 @@ from importlib import metadata
 
 from mien.cli import (
     animate,
+    batch,
     calibrate,
     capture,
     character,
@@ -30,6 +31,7 @@ COMMANDS: dict[str, Command] = {
     "animate": animate,
     "capture": capture,
     "calibrate": calibrate,
+    "batch": batch,
     "live": live,
     "studio": studio,
     "character": character,
@@ -59,7 +61,8 @@ def _leave(error: BaseException, options: argparse.Namespace) -> int:
     """Say what is to be said of ``error``; the exit code. What nobody expects is raised again."""
     signalled = interruption.exit_code(error)
     if signalled == interruption.INTERRUPTED:
-        print("mien: interrupted; nothing was left behind", file=sys.stderr)
+        left = getattr(COMMANDS[options.command], "INTERRUPTED", "nothing was left behind")
+        print(f"mien: interrupted; {left}", file=sys.stderr)
     if signalled is not None:
         return signalled
     if isinstance(error, BrokenPipeError):

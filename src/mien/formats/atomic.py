@@ -12,6 +12,8 @@ from pathlib import Path
 
 from mien.errors import OutputError
 
+PREFIX = ".mien-"
+"""How the names of all temporary folders begin: whoever is killed leaves one behind."""
 _REASONS = {
     errno.ENOSPC: "the disk is full; free some space or write elsewhere with -o",
     errno.EDQUOT: "the disk quota is used up; free some space or write elsewhere with -o",
@@ -71,7 +73,7 @@ def _kinds(folder: Path) -> set[str]:
 @contextmanager
 def _beside(path: Path) -> Iterator[Path]:
     """A hidden folder in the destination's own folder: a rename cannot cross file systems."""
-    room = Path(tempfile.mkdtemp(prefix=".mien-", dir=path.parent))
+    room = Path(tempfile.mkdtemp(prefix=PREFIX, dir=path.parent))
     try:
         yield room
     finally:
