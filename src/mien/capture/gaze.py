@@ -17,9 +17,9 @@ _PITCH_GAIN = 0.4
 the rest, so it is damped."""
 _VERGENCE_FREE = np.radians(6.0)
 """Eyes are averaged unless they disagree by more: noise must not make a squint, crossing must."""
-
-
 _RESTING_TURN = np.radians(10.0)
+_OPEN = 0.3
+"""Closure of an eye that hides nothing of the iris."""
 
 
 def raw_gaze(lifted: Array) -> Array:
@@ -33,15 +33,17 @@ def raw_gaze(lifted: Array) -> Array:
     return np.stack(eyes, axis=1)
 
 
-def gaze_rest(raw: Array, head: Array) -> Array:
-    """(2, 2) the raw gaze of each eye at rest: its middle over the take.
+def gaze_rest(raw: Array, head: Array, closure: Array) -> Array:
+    """(2, 2) the raw gaze of each eye at rest: its middle over the frames with open eyes
+    (``closure`` (F, 2)), since behind lids the network lets the iris sink with them.
 
     ``head`` (F, 2) is the head's own yaw and pitch. Whoever keeps the head turned from the camera
     mostly looks back at it, so a turn beyond what people rest at is not part of the rest.
     """
     turn = np.median(head, axis=0)
     excess = np.sign(turn) * np.clip(np.abs(turn) - _RESTING_TURN, 0.0, None)
-    return np.asarray(np.median(raw, axis=0) + excess)
+    opened = closure.max(axis=1) < _OPEN
+    return np.asarray(np.median(raw[opened] if opened.any() else raw, axis=0) + excess)
 
 
 def gaze(raw: Array, rest: Array, closure: Array) -> Array:

@@ -99,12 +99,15 @@ def calibrate(
     place = refine(own_neutral(points[rest], ground), directions[chosen], ground)
     _, resting = _read(place, directions[rest], ground)
     fit, motion = _read(place, directions[chosen], ground)
-    openings = (lids.openings(place + each, place) for each in (motion, resting))
+    opening, opening_at_rest = (lids.openings(place + each, place) for each in (motion, resting))
+    lid_range = lids.lid_range(opening, opening_at_rest)
+    turn = facing(fit)
+    closure = lids.closures(opening, lid_range, turn[:, 0])
     return Calibration(
         model=place,
         offset=np.median(resting, axis=0),
-        lids=lids.lid_range(*openings),
-        gaze=eyes.gaze_rest(eyes.raw_gaze(place + motion), facing(fit)),
+        lids=lid_range,
+        gaze=eyes.gaze_rest(eyes.raw_gaze(place + motion), turn, closure),
         place=np.median(fit.translation, axis=0),
         focal=focal,
     )
