@@ -4,10 +4,12 @@
 #   make test    the tests
 #   make check   style, types, layers
 #   make studio  the browser's side of 'mien studio' (needs Node)
+#   make docs    this documentation as a site, in out/site
+#   make papers  the papers' figures, made again (minutes)
 #   make clean   remove what make made
 
 .DEFAULT_GOAL := demo
-.PHONY: env demo test check format studio clean
+.PHONY: env demo test check format studio docs papers clean
 
 export UV_PYTHON_DOWNLOADS := never
 export UV_PROJECT_ENVIRONMENT := .venv
@@ -15,6 +17,7 @@ export MIEN_WITHOUT_PAGE := 1
 UV_VERSION := 0.13.9
 UV := .boot/bin/uv
 BIN := .venv/bin
+EXTRAS := --extra landmarks --extra scan --extra studio --extra batch --extra draco
 
 # The first that runs: a name on PATH may be a shim for a version that is not installed.
 PYTHON ?= $(shell for p in python3.12 python3.11 python3 python; do \
@@ -29,7 +32,7 @@ $(UV):
 # The lock names every package; the environment is as old as the newer of lock and project file.
 .venv/.synced: $(UV) uv.lock pyproject.toml
 	@echo "setting up the environment: a minute, a gigabyte"; begin=$$(date +%s); \
-	$(UV) sync --quiet --frozen --extra landmarks --extra scan --extra studio --extra batch --compile-bytecode --python $(or $(PYTHON),3) && \
+	$(UV) sync --quiet --frozen $(EXTRAS) --compile-bytecode --python $(or $(PYTHON),3) && \
 	touch $@ && \
 	echo "environment ready in $$(( $$(date +%s) - begin )) s"
 
@@ -53,6 +56,14 @@ check: env
 studio: env
 	@cd studio && npm ci --no-audit --no-fund --silent && \
 	../$(BIN)/python -m mien.live.studio.messages > src/messages.ts && npm run --silent build
+
+# The site: links that lead nowhere fail, and nothing in it is fetched from elsewhere when it is read.
+docs: env
+	@$(UV) sync --quiet --frozen --inexact $(EXTRAS) --group docs --python $(or $(PYTHON),3)
+	@NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
+
+papers: env
+	@$(BIN)/python docs/reproduce.py
 
 format: env
 	@$(BIN)/ruff check --fix --quiet .

@@ -4,10 +4,13 @@
 
 docs/pictures/cast.jpg      the four characters
 docs/pictures/driven.jpg    moments of the sample take beside the characters that follow it
+docs/pictures/overlay.jpg   what two captures saw in it
+docs/pictures/face.png      the toy, small: the sign of the site
 docs/pictures/NAME.jpg      a contact sheet of each character and of the generic face
 docs/pictures/turntable.webp  the four, turning once while they smile
 """
 
+from contextlib import AbstractContextManager
 from importlib import resources
 from pathlib import Path
 
@@ -15,11 +18,14 @@ import numpy as np
 from PIL import Image
 
 import mien
+from mien.capture import CAPTURES, CaptureSettings
 from mien.face.animate import Poser
 from mien.face.library import GENERIC
 from mien.formats.pictures.sources import open_source
+from mien.performance.trace import Trace
 from mien.view.camera import Camera
 from mien.view.contact_sheet import contact_sheet
+from mien.view.overlay import overlay
 from mien.view.preview import preview
 from mien.view.renderer import Renderer
 
@@ -34,6 +40,7 @@ QUALITY = 76
 TURNS, TURN_SECONDS = 32, 5.0
 MOMENTS = (0.95, 2.65, 3.5, 6.9)
 """Seconds of the sample take."""
+SEEN = (0.95, 6.9)
 
 
 def cast() -> np.ndarray:
@@ -67,9 +74,39 @@ def turntable() -> list[Image.Image]:
     return frames
 
 
+def overlays() -> np.ndarray:
+    """What landmarks and curves saw at two moments of the sample take."""
+    shots = []
+    with sample() as take:
+        for method in ("landmarks", "snakes"):
+            traces: list[Trace] = []
+            way = CAPTURES[method]
+            way(open_source(take), CaptureSettings(watch=traces.append), "sample", None)
+            shown = zip(open_source(take), traces, strict=True)
+            times = [frame.time for frame in open_source(take)]
+            wanted = [int(np.argmin(abs(np.array(times) - moment))) for moment in SEEN]
+            shots += [overlay(f.image, t) for i, (f, t) in enumerate(shown) if i in wanted]
+    return np.hstack(shots)
+
+
+def sign() -> Image.Image:
+    """The toy's face, from the front."""
+    toy = mien.load_character("toy")
+    level = np.array([{"smile": 0.8}.get(key, 0.0) for key in toy.keys.names])
+    camera = Camera(height=230.0, size=(192, 192))
+    return Image.fromarray(
+        Renderer(toy.face).render(Poser(toy.face, toy.keys).morph(level), camera)
+    ).resize((96, 96))
+
+
+def sample() -> AbstractContextManager[Path]:
+    """The sample take as a file."""
+    return resources.as_file(resources.files("mien").joinpath("data", "sample.mp4"))
+
+
 def driven() -> np.ndarray:
     """Moments of the sample take, one above the other in two columns."""
-    with resources.as_file(resources.files("mien").joinpath("data", "sample.mp4")) as take:
+    with sample() as take:
         performance = mien.capture(take)
         characters = [mien.load_character(name) for name in mien.CHARACTERS]
         acts = [(character, mien.animate(performance, character)) for character in characters]
@@ -83,7 +120,7 @@ def driven() -> np.ndarray:
 
 def main() -> None:
     """Draw them all."""
-    pictures = {"cast": cast(), "driven": driven()}
+    pictures = {"cast": cast(), "driven": driven(), "overlay": overlays()}
     for name in (*mien.CHARACTERS, GENERIC):
         pictures[name] = contact_sheet(mien.load_character(name))
     FOLDER.mkdir(exist_ok=True)
@@ -91,6 +128,7 @@ def main() -> None:
         path = FOLDER / f"{name}.jpg"
         Image.fromarray(picture).save(path, quality=QUALITY, optimize=True)
         print(path.relative_to(Path(__file__).parent), picture.shape)
+    sign().save(FOLDER / "face.png", optimize=True)
     first, *others = turntable()
     first.save(
         FOLDER / "turntable.webp",

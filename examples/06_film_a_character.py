@@ -1,6 +1,7 @@
 """Film a character that acts a few of its key models: how mien's own sample take is made.
 
-python examples/film_a_character.py woman sample.mp4
+python examples/06_film_a_character.py woman sample.mp4
+python examples/06_film_a_character.py toy grin.mp4 smile surprise
 """
 
 import sys
@@ -23,10 +24,10 @@ ACT = (
 )
 
 
-def main(name: str, output: str) -> None:
-    """Film the character called ``name`` into the file ``output``."""
+def main(name: str, output: str, *keys: str) -> None:
+    """Film the character called ``name``, acting ``keys``, into the file ``output``."""
     character = mien.load_character(name)
-    curves = rehearse(character, ACT, Tempo(hold=0.3, sway=0.15))
+    curves = rehearse(character, keys or ACT, Tempo(hold=0.3, sway=0.15))
     write_mp4(Path(output), film(character, curves))
     print(f"{output}: {len(curves)} frames of the {name}")
 
