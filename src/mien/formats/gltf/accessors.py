@@ -7,12 +7,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.formats.gltf.container import Container, Json
+from mien.formats.gltf.container import Container, Json, view_span
 
 _TYPES = {5120: "|i1", 5121: "|u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 _COLUMNS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
 _MAX_COUNT = 20_000_000
-_COMPRESSED = ("EXT_meshopt_compression", "KHR_meshopt_compression")
 
 
 class Accessors:
@@ -28,13 +27,18 @@ class Accessors:
             raise self._fault(index, f"has the count {str(count)[:40]!r}")
         return count
 
+    def layout(self, index: object) -> tuple[int, int, np.dtype[Any]]:
+        """Count, columns (0 where mien knows them not) and type of an accessor's elements."""
+        described = self.container.item("accessors", index)
+        dtype = self._dtype(index, described.get("componentType"))
+        return self.count(index), _COLUMNS.get(str(described.get("type")), 0), dtype
+
     def read(self, index: object, columns: int) -> NDArray[Any]:
         """(N, ``columns``) values, or (N,) for one column: integers as they are, floats, and
         normalized integers as floats. Raises FormatError."""
         described = self.container.item("accessors", index)
-        count = self.count(index)
-        dtype = self._dtype(index, described.get("componentType"))
-        if _COLUMNS.get(str(described.get("type"))) != columns:
+        count, own, dtype = self.layout(index)
+        if own != columns:
             raise self._fault(index, f"is {described.get('type')!r}, not of {columns} columns")
         if "bufferView" in described:
             values = self._view(index, described, dtype, count, columns)
@@ -50,8 +54,8 @@ class Accessors:
 
     def view_bytes(self, index: object) -> bytes:
         """All bytes of a bufferView."""
-        view, content, start = self._open_view(index, index)
-        return content[start : start + view["byteLength"]]
+        content, start, end = self._span(self.container.item("bufferViews", index), index)
+        return content[start:end]
 
     def _sparse(self, index: object, sparse: Json, values: NDArray[Any]) -> NDArray[Any]:
         if not isinstance(sparse, dict) or not all(
@@ -73,7 +77,9 @@ class Accessors:
     def _view(
         self, index: object, where: Json, dtype: np.dtype[Any], count: int, columns: int
     ) -> NDArray[Any]:
-        view, content, start = self._open_view(index, where.get("bufferView"))
+        number = where.get("bufferView")
+        view = self.container.item("bufferViews", number)
+        content, start, end = self._span(view, number)
         offset, stride = where.get("byteOffset", 0), view.get("byteStride")
         packed = dtype.itemsize * columns
         if stride is None:
@@ -82,30 +88,14 @@ class Accessors:
             raise self._fault(index, f"has a stride of {str(stride)[:20]} for {packed} bytes")
         if type(offset) is not int or offset < 0:
             raise self._fault(index, f"begins at {str(offset)[:20]!r}")
-        if offset + stride * (count - 1) + packed > view["byteLength"]:
+        if offset + stride * (count - 1) + packed > end - start:
             raise self._fault(index, "reaches past the end of its bufferView")
         return np.ndarray(
             (count, columns), dtype, content, start + offset, (stride, dtype.itemsize)
         )
 
-    def _open_view(self, index: object, number: object) -> tuple[Json, bytes, int]:
-        view = self.container.item("bufferViews", number)
-        if any(name in view.get("extensions", {}) for name in _COMPRESSED):
-            raise self.container.fault(
-                "is compressed with meshopt; write it out plainly first: "
-                "npx @gltf-transform/cli copy IN.glb OUT.glb"
-            )
-        buffer, start = view.get("buffer", -1), view.get("byteOffset", 0)
-        self.container.item("buffers", buffer)
-        content = self.container.buffers[buffer]
-        length = view.get("byteLength")
-        if content is None:
-            raise self._fault(index, "lies in a buffer without content")
-        if type(start) is not int or type(length) is not int or start < 0 or length < 1:
-            raise self._fault(index, "lies in a bufferView without place or length")
-        if start + length > len(content):
-            raise self._fault(index, f"lies in bufferViews[{number}], which ends past its buffer")
-        return view, content, start
+    def _span(self, view: Json, number: object) -> tuple[bytes, int, int]:
+        return view_span(self.container, view, f"bufferViews[{number}]")
 
     def _dtype(self, index: object, component: object) -> np.dtype[Any]:
         if not isinstance(component, int) or component not in _TYPES:

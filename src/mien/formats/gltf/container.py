@@ -22,6 +22,7 @@ MAX_FILE = 128 * 2**20
 _MAX_JSON = 32 * 2**20
 _MAX_ITEMS = 200_000
 _JSON, _BIN = 0x4E4F534A, 0x004E4942
+MESHOPT = ("EXT_meshopt_compression", "KHR_meshopt_compression")
 _LISTS = (
     *("accessors", "animations", "bufferViews", "buffers", "images", "materials"),
     *("meshes", "nodes", "samplers", "scenes", "skins", "textures"),
@@ -35,7 +36,9 @@ class Container:
     path: Path
     document: Json
     buffers: tuple[bytes | None, ...]
-    """None for one that only a compression's fallback would need."""
+    """None for one without content: what refers to it is compressed elsewhere."""
+    file: bytes | None = None
+    """The file itself, where it is a GLB that says what this does."""
 
     def fault(self, what: str) -> FormatError:
         """An error that names the file."""
@@ -72,7 +75,7 @@ def open_gltf(path: Path) -> Container:
         _buffer(container, i, described, binary)
         for i, described in enumerate(container.listed("buffers"))
     )
-    return Container(path, document, buffers)
+    return Container(path, document, buffers, content if content[:4] == b"glTF" else None)
 
 
 def _read(path: Path) -> bytes:
@@ -143,10 +146,10 @@ def _buffer(
     length, uri = described.get("byteLength"), described.get("uri")
     if type(length) is not int or length < 1:
         raise container.fault(f"buffers[{index}] has no length; export it again")
+    if _is_fallback(described):
+        return None
     if uri is None:
         content = binary if index == 0 else None
-        if content is None and not _is_fallback(described):
-            raise container.fault(f"buffers[{index}] has no content; export it again")
     elif isinstance(uri, str):
         content = referred(container, uri)
     else:
@@ -162,8 +165,27 @@ def _is_fallback(described: Json) -> bool:
     extensions = described.get("extensions")
     return isinstance(extensions, dict) and any(
         isinstance(extensions.get(name), dict) and extensions[name].get("fallback")
-        for name in ("EXT_meshopt_compression", "KHR_meshopt_compression")
+        for name in MESHOPT
     )
+
+
+def view_span(container: Container, place: Json, what: str) -> tuple[bytes, int, int]:
+    """A buffer's content, and where in it begins and ends what ``place`` (a bufferView, or a stream
+    that stands for one) says. Raises FormatError that names ``what``."""
+    number, start, length = (
+        place.get("buffer", -1),
+        place.get("byteOffset", 0),
+        place.get("byteLength"),
+    )
+    container.item("buffers", number)
+    content = container.buffers[number]
+    if content is None:
+        raise container.fault(f"{what} lies in a buffer without content; export it again")
+    if type(start) is not int or type(length) is not int or start < 0 or length < 1:
+        raise container.fault(f"{what} has no place or length; export it again")
+    if start + length > len(content):
+        raise container.fault(f"{what} ends past its buffer; copy or export it again")
+    return content, start, start + length
 
 
 def referred(container: Container, uri: str) -> bytes:

@@ -12,9 +12,10 @@ _KINDS = {b"\x89PNG": "image/png", b"\xff\xd8\xff": "image/jpeg"}
 
 
 def packed(container: Container) -> bytes:
-    """The bytes of a GLB with the same content. A GLB comes back as it is."""
-    if container.path.read_bytes()[:4] == b"glTF" and _alone(container):
-        return container.path.read_bytes()
+    """The bytes of a GLB with the same content. A GLB that needs nothing else comes back as it
+    is."""
+    if container.file is not None and _alone(container):
+        return container.file
     document: Json = json.loads(json.dumps(container.document))
     chunks: list[bytes] = []
     starts: list[int] = []

@@ -18,9 +18,10 @@ from mien.face.face import Array
 from mien.face.model import Bind, Model, ModelPart, Shape
 from mien.formats.gltf.accessors import Accessors
 from mien.formats.gltf.colours import Paint
-from mien.formats.gltf.container import Container, Json, open_gltf
+from mien.formats.gltf.container import MESHOPT, Container, Json, open_gltf
 from mien.formats.gltf.nodes import Nodes, find_hooks, joint_place, read_nodes
 from mien.formats.gltf.pack import packed
+from mien.formats.gltf.plain import plain
 
 MAX_DISPLACEMENTS = 25_000_000
 """Morph targets times vertices, all meshes together: what memory is asked for."""
@@ -35,17 +36,19 @@ _KNOWN = (
     "KHR_xmp",
     "EXT_texture_",
     "VRM",
-    "EXT_meshopt_compression",
-    "KHR_meshopt_compression",
+    "KHR_draco_mesh_compression",
+    *MESHOPT,
 )
 _TRIANGLES = 4
 
 
 def read_gltf(path: Path | str) -> Model:
-    """Read a character. Raises InputError where there is no file, FormatError where it is broken,
-    compressed in a way mien cannot undo, or larger than any character."""
+    """Read a character. Raises InputError where there is no file, FormatError where it is broken
+    or larger than any character, MissingExtraError where it is compressed with Draco and the extra
+    is not there."""
     container = open_gltf(Path(path))
     _require_known(container)
+    container = plain(container)
     reading = _Reading(container, read_nodes(container))
     reading.read()
     if not reading.parts:
@@ -68,11 +71,6 @@ def read_gltf(path: Path | str) -> Model:
 def _require_known(container: Container) -> None:
     wanted = container.document.get("extensionsRequired", [])
     for name in wanted if isinstance(wanted, list) else []:
-        if name == "KHR_draco_mesh_compression":
-            raise container.fault(
-                "is compressed with Draco; write it out plainly first: "
-                "npx @gltf-transform/cli copy IN.glb OUT.glb"
-            )
         if not str(name).startswith(_KNOWN):
             raise container.fault(f"needs the extension {str(name)[:60]!r}, which mien has not")
 
