@@ -74,7 +74,7 @@ class JointMapper:
         self.cardinal = RegionalCardinal(
             self.examples, self.pieces, self.rows, self.settings.linear_ridge
         )
-        self._fields = self.rows(self.examples.pieces)
+        self._fields = np.ascontiguousarray(self.rows(self.examples.pieces))
         self._lids = find_lids(character, self.pieces)
         self._programme: Solves = Programme(
             self._fields,

@@ -8,7 +8,7 @@ rest first: the straight way from wide open to shut leads through the eyeball.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,22 +43,32 @@ class Lids:
     widens: NDArray[np.bool_]
     narrows: NDArray[np.bool_]
     """(2, W) pieces about an eye, its blink apart, that open or shut it."""
+    _others: Array = field(init=False, repr=False)
+    """(W,) 0 for blinks, 1 for all else."""
+    _widening: Array = field(init=False, repr=False)
+    """(W, 2) mm by which what widens each eye opens it."""
+    _shuts: Array = field(init=False, repr=False)
+    """(2,) mm by which each blink shuts its eye."""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "_others", 1.0 - self.blink.any(axis=0))
+        object.__setattr__(self, "_widening", (self.effect * self.widens).T)
+        object.__setattr__(self, "_shuts", -(self.effect * self.blink).sum(axis=1))
 
     def mix(self, weights: Array, closure: Array) -> Array:
         """Weights (F, W) with the blinks set so that each eye is open by 1 - closure (F, 2) of
         its neutral opening (a negative closure is a stare): never shut further than shut, never
         opened by a negative blink."""
-        weights = np.where(self.blink.any(axis=0), 0.0, weights)
+        weights = weights * self._others
         wanted = (1.0 - np.minimum(closure, 1.0)) * self.opening
         opened = self.opening + weights @ self.effect.T
         excess = np.maximum(opened - wanted, 0.0)
-        widened = weights @ (self.effect * self.widens).T
+        widened = weights @ self._widening
         back = np.minimum(excess / np.maximum(widened, _LITTLE), 1.0)
         shut = np.minimum(excess / np.maximum(opened, _LITTLE), 1.0)
         weights = weights * (1.0 - back @ self.widens - shut @ self.narrows)
         missing = self.opening + weights @ self.effect.T - wanted
-        shuts = -(self.effect * self.blink).sum(axis=1)
-        level = np.clip(missing / shuts, 0.0, _MOST)
+        level = np.minimum(np.maximum(missing / self._shuts, 0.0), _MOST)
         return np.asarray(weights + level @ self.blink)
 
 

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg.lapack import dposv
 
 from mien.face.pieces import Pieces
 from mien.mapping.regional import RegionalCardinal
@@ -51,6 +52,7 @@ class Programme:
         pull = settings.balance * _pull_together(pieces.key, pieces.region)
         pull += settings.kinship * _pull_together(pieces.key, pieces.side)
         self._prior = pull + (settings.ridge + settings.coupling) * np.eye(len(fields))
+        self._bounds = np.zeros(len(fields)), np.full(len(fields), settings.largest)
 
     def solve(self, motion: Array, unseen: Array) -> Array:
         """Weights (F, W) of all pieces for ``motion`` (F, Q, 3) mm, of which nothing is known
@@ -65,20 +67,34 @@ class Programme:
             whole = self._fill(motion, unseen, sight, gram, onto)
             linear -= self._settings.coupling * self._cardinal(whole)
         hessian = gram * belief[: len(gram), None, None] + self._prior
-        size = len(self._fields)
-        hessian[:, np.arange(size), np.arange(size)] += _FIRM * hessian.max(axis=(1, 2))[:, None]
-        return solve_boxes(hessian, linear, np.zeros(size), np.full(size, self._settings.largest))
+        _add_to_diagonals(hessian, _FIRM * hessian.max(axis=(1, 2)))
+        return solve_boxes(hessian, linear, *self._bounds)
 
     def _fill(self, motion: Array, unseen: Array, sight: Array, gram: Array, onto: Array) -> Array:
         """``motion`` with its unseen part as the pieces that explain the seen part would have
         it, by ridge least squares: the cardinal functions need all three coordinates."""
         if not unseen.any():
             return motion
+        stiff = gram.copy()
         ridge = max(self._settings.linear_ridge, _FIRM * float(gram.max()))
-        weights = np.linalg.solve(gram + ridge * np.eye(len(self._fields)), onto[..., None])[..., 0]
+        _add_to_diagonals(stiff, np.full(len(gram), ridge))
+        weights = _solved(stiff, onto)
         guess = (weights @ self._fields.reshape(len(self._fields), -1)).reshape(motion.shape)
         depth = (guess * unseen[:, None]).sum(axis=-1, keepdims=True)
         return np.asarray(motion @ sight + depth * unseen[:, None])
+
+
+def _add_to_diagonals(matrices: Array, amount: Array) -> None:
+    """Add ``amount`` (U,) to the diagonals of ``matrices`` (U, W, W), in place."""
+    np.einsum("uii->ui", matrices)[:] += amount[:, None]
+
+
+def _solved(matrices: Array, right: Array) -> Array:
+    """(F, W) solutions for ``right`` (F, W) of positive definite ``matrices`` (F, W, W), or
+    (1, W, W) where all share one."""
+    if len(matrices) == 1:
+        return np.asarray(dposv(matrices[0], right.T)[1].T)
+    return np.stack([dposv(a, b)[1] for a, b in zip(matrices, right, strict=True)])
 
 
 def _belief(unseen: Array) -> Array:

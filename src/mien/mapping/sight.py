@@ -20,6 +20,7 @@ Array = NDArray[np.float64]
 Index = NDArray[np.intp]
 
 _PAIRS = tuple((y, z) for y in range(3) for z in range(y, 3))
+_FIRST, _SECOND = (list(axes) for axes in zip(*_PAIRS, strict=True))
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,7 +78,7 @@ class Sight:
         """``motions`` (W, Q, 3), ``precision`` (Q, 3)."""
         self.count = len(motions)
         self._precision = precision
-        self._motions = motions.reshape(self.count, -1)
+        self._motions = np.ascontiguousarray(motions.reshape(self.count, -1))
         grams = np.einsum("wqy,qx,vqz->xyzwv", motions, precision, motions, optimize=True)
         grams += np.swapaxes(grams, 1, 2)
         self._grams = np.stack(
@@ -86,7 +87,7 @@ class Sight:
 
     def gram(self, sight: Array) -> Array:
         """(F, W, W) inner products among the motions under projections ``sight`` (F, 3, 3)."""
-        factors = np.stack([sight[:, :, y] * sight[:, :, z] for y, z in _PAIRS], axis=-1)
+        factors = sight[:, :, _FIRST] * sight[:, :, _SECOND]
         flat = factors.reshape(len(sight), -1) @ self._grams
         return np.asarray(flat.reshape(-1, self.count, self.count))
 

@@ -99,9 +99,14 @@ def _solve_free(
 @njit(cache=True, nogil=True)
 def pivot_each(hessians: Array, linear: Array, lower: Array, upper: Array) -> Array:
     """(F, W) ``pivot`` of each of ``linear`` (F, W), with ``hessians`` (F, W, W), or (1, W, W)
-    where all share one; each from where the one before it stood."""
+    where all share one; each from where the one before it stood, the first from rest."""
     solutions = np.empty_like(linear)
     side = np.zeros(linear.shape[1], dtype=np.int8)
+    for i in range(len(side) if len(linear) else 0):
+        if lower[i] >= 0.0 and linear[0, i] > 0.0:
+            side[i] = -1
+        elif upper[i] <= 0.0 and linear[0, i] < 0.0:
+            side[i] = 1
     for frame in range(len(linear)):
         hessian = hessians[frame if len(hessians) > 1 else 0]
         solutions[frame] = pivot(hessian, linear[frame], lower, upper, side)
