@@ -16,6 +16,9 @@ from mien.capture.tracker.look import take, visible
 from mien.capture.tracker.meet import ROWS, VERTICES, spread_views
 from mien.capture.tracker.perform import confidences
 from mien.capture.tracker.person import person
+from mien.capture.tracker.prior_term import MotionTerm
+from mien.capture.tracker.silhouette_term import folds, match
+from mien.capture.tracker.solve import solve
 from mien.capture.tracker.state import State
 from mien.capture.tracker.texture_term import Normaliser, TextureTerm
 from mien.capture.tracker.trace import trace
@@ -164,6 +167,55 @@ def test_the_skin_is_followed_where_landmarks_lie(somebody):
     assert np.mean(errors[True]) < 0.5 * np.mean(errors[False])
 
 
+def test_points_stay_on_their_skin(somebody):
+    start = posed()
+    look = take(somebody, crop_of(start, landmarks(somebody, start)), start)
+    tracker = Tracker(somebody, [look], start, Trust(points=0.1))
+    for frame in range(6):
+        truth = posed(yaw=1.5 * frame)
+        points = landmarks(somebody, truth)
+        found = tracker.step(crop_of(truth, points), points)
+    assert len(found.points) > 20
+    tracks = tracker.tracks
+    tracks.follow(crop_of(posed(yaw=9.0), points))
+    held = tracks.held
+    there = somebody.lens().project(tracks.sites.seen(posed(yaw=9.0)))
+    away = np.linalg.norm(tracks.places - there, axis=1)[held]
+    assert held.sum() > 20
+    assert np.median(away) < 0.5
+
+
+def test_a_point_that_is_covered_is_let_go(somebody):
+    start = posed()
+    points = landmarks(somebody, start)
+    crop = crop_of(start, points)
+    tracker = Tracker(somebody, [take(somebody, crop, start)], start, Trust(points=0.1))
+    tracker.step(crop, points)
+    tracker.step(crop, points)
+    hidden = crop_of(start, points)
+    noise = np.random.default_rng(1).integers(0, 255, hidden.image.shape).astype(np.uint8)
+    hidden.image[:, : hidden.size[0] // 2] = noise[:, : hidden.size[0] // 2]
+    tracker.tracks.follow(hidden)
+    left = crop.scale * (tracker.tracks.places[:, 0] - crop.origin[0]) < 0.4 * crop.size[0]
+    assert tracker.tracks.held[left].mean() < 0.2
+    assert tracker.tracks.held[~left].mean() > 0.6
+
+
+def test_the_outline_is_drawn_to_the_edge(somebody):
+    truth = posed(yaw=42.0)
+    crop = crop_of(truth, landmarks(somebody, truth))
+    off = replace(truth, translation=truth.translation + np.array([2.5, 0.0, 0.0]))
+    picture = crop.image.astype(np.float32)
+    term = match(somebody, folds(SPACE.triangles), crop, picture, off, 1.0, 1.0)
+    assert len(term.edges) > 5
+    exact = term.pairs(truth)
+    across = ((exact[:, 0] - exact[:, 1]) * term.normals).sum(axis=1)
+    assert np.median(np.abs(across)) < 1.0
+    stiff = MotionTerm(off, 1e-4, 3.0, 1e-4)
+    found = solve(off, [term, stiff], 3)
+    assert abs(found.translation[0] - truth.translation[0]) < 1.0
+
+
 def test_noise_leaves_the_head_still(somebody):
     random = np.random.default_rng(5)
     start = posed()
@@ -280,6 +332,24 @@ def test_the_outline_goes_round_the_face(somebody):
     assert np.ptp(outline, axis=0) == pytest.approx(np.ptp(wire, axis=0), rel=0.1)
     seen = somebody.neutral @ state.rotation.T + state.translation
     assert len(contour(seen, SPACE.triangles)) > 20
+
+
+def test_a_trace_shows_what_each_term_went_by(somebody):
+    start = posed(yaw=30.0)
+    points = landmarks(somebody, start)
+    crop = crop_of(start, points)
+    look = take(somebody, crop, start)
+    tracker = Tracker(somebody, [look], start, Trust(points=0.1, silhouette=0.3))
+    tracker.step(crop, points)
+    shown = trace(somebody, tracker.step(crop, points))
+    assert len(shown.points) > 500
+    squares = np.array(list(shown.boxes.values())).mean(axis=1)
+    assert len(squares) > 20
+    edges = np.array([ends for name, ends in shown.curves.items() if name.startswith("edge")])
+    assert len(edges) > 3
+    outline = shown.curves["silhouette"]
+    for place in edges[:, 0]:
+        assert np.linalg.norm(outline - place, axis=1).min() < 12.0
 
 
 def test_modes_give_back_what_they_were_made_of():

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from importlib import import_module
+from pkgutil import iter_modules
+
 import numpy as np
 import pytest
 
 from mien.capture.tracker.landmark_term import LandmarkTerm
+from mien.capture.tracker.point_term import PointTerm
 from mien.capture.tracker.prior_term import MotionTerm, PriorTerm
+from mien.capture.tracker.silhouette_term import SilhouetteTerm
 from mien.capture.tracker.solve import WEIGHT_MAX, solve
 from mien.capture.tracker.state import Lens, Sites, State
 from mien.numeric.gauss_newton import (
@@ -19,6 +24,7 @@ from mien.numeric.gauss_newton import (
 )
 from mien.numeric.rotation import angle_between, from_vector
 
+tracker = import_module("mien.capture.tracker")
 POINTS, SHAPES = 20, 4
 LENS = Lens(700.0, (320.0, 240.0), 0.8, (100.0, 60.0))
 
@@ -42,8 +48,23 @@ def landmark_term() -> LandmarkTerm:
     return LandmarkTerm(sites(), LENS, seen, random.uniform(0.5, 2.0, POINTS))
 
 
+def point_term() -> PointTerm:
+    seen = LENS.project(sites(5).seen(state())) + 0.7
+    return PointTerm(sites(5), LENS, seen, 0.6, 0.3)
+
+
+def silhouette_term() -> SilhouetteTerm:
+    random = np.random.default_rng(6)
+    normals = random.normal(size=(POINTS, 2))
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    edges = LENS.project(sites(6).seen(state())) + random.normal(size=(POINTS, 2))
+    return SilhouetteTerm(sites(6), LENS, normals, edges, 1.3, 0.4)
+
+
 TERMS = {
     "landmarks": landmark_term(),
+    "points": point_term(),
+    "silhouette": silhouette_term(),
     "prior": PriorTerm(np.array([0.1, 0.2, 0.3, 0.4])),
     "motion": MotionTerm(state(), 0.02, 3.0, 0.1),
 }
@@ -61,6 +82,13 @@ def test_a_terms_jacobian_equals_central_differences(name):
         slope = (ends[0] - ends[1]) / (2 * step)
         scale = max(1.0, float(np.abs(slope).max()))
         np.testing.assert_allclose(linear.jacobian[:, column], slope, atol=2e-3 * scale)
+
+
+def test_no_term_is_left_out():
+    """Texture alone has a test of its own: its slope is a mean of two (test_tracker_follow)."""
+    modules = {m.name for m in iter_modules(tracker.__path__)}
+    tested = {type(term).__module__.rpartition(".")[2] for term in TERMS.values()}
+    assert {name for name in modules if name.endswith("_term")} == {*tested, "texture_term"}
 
 
 def test_the_sums_are_those_of_a_matrix_product():

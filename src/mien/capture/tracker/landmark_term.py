@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from mien.capture.tracker.reprojection import reproject
 from mien.capture.tracker.state import Lens, Sites, State
 from mien.numeric.gauss_newton import Linearized, Loss, cauchy
 
@@ -33,12 +34,5 @@ class LandmarkTerm:
 
     def linearize(self, state: State) -> Linearized:
         """(2 N,) residuals, x and y of each landmark one after the other."""
-        places = self.sites.seen(state)
-        residual = (self.lens.project(places) - self.seen) / self.sigma[:, None]
-        jacobian = np.empty((2 * len(places), 6 + len(state.weights)))
-        for axis in range(2):
-            gradient = np.zeros((len(places), 2))
-            gradient[:, axis] = 1.0 / self.sigma
-            slope = self.lens.pull_back(gradient, places)
-            jacobian[axis::2] = self.sites.chain(slope, places, state)
-        return Linearized(residual.ravel(), jacobian, self.loss, self.weight, group=2)
+        both = reproject(self.sites, self.lens, self.seen, self.sigma, state)
+        return Linearized(*both, self.loss, self.weight, group=2)

@@ -12,7 +12,9 @@ from mien.capture.tracker.crop import Crop
 from mien.capture.tracker.landmark_term import LandmarkTerm
 from mien.capture.tracker.look import Look, pictures, take, visible
 from mien.capture.tracker.person import Person
+from mien.capture.tracker.point_term import PointTracks, corners
 from mien.capture.tracker.prior_term import MotionTerm, PriorTerm
+from mien.capture.tracker.silhouette_term import SilhouetteTerm, folds, match
 from mien.capture.tracker.solve import Term, solve, step
 from mien.capture.tracker.state import State
 from mien.capture.tracker.texture_term import Normaliser, TextureTerm
@@ -31,6 +33,8 @@ PREDICTOR_SIGMA = 1.0
 """mm, of its motion."""
 MOTION_SIGMA = (0.05, 8.0, 0.3)
 """Radians, mm and weight by which a frame may differ from what the one before lets expect."""
+POINT_SIGMA, SILHOUETTE_SIGMA = 0.5, 1.0
+"""mm, of a point's place, and of an edge across the outline."""
 LEVELS = (0, 1, 1)
 """Of looks, one Gauss-Newton step each."""
 SAMPLES = 1800
@@ -55,6 +59,10 @@ class Found:
     """How badly the looks agree."""
     used: Index
     """Texels that were compared."""
+    points: Array
+    """(N, 2) pixels, where points of the skin were found again."""
+    edges: Array
+    """(N, 2, 2) pixels, a place of the outline and the edge that was found across it."""
     notes: tuple[str, ...]
     """Short words for a person: "recovered"."""
 
@@ -68,6 +76,8 @@ class Tracker:
         self.state, self.missed = start, person.offset
         self.rows = _samples(person, looks[0]) if looks else np.zeros(0, dtype=np.intp)
         self.sampled = person.texels.take(self.rows)
+        self.tracks = _tracks(person, looks[0]) if looks and self.trust.points else None
+        self._folds = folds(person.space.triangles)
         self._costs: list[float] = []
         self._count = 0
         self._lost = False
@@ -75,6 +85,8 @@ class Tracker:
     def step(self, crop: Crop, points: Array) -> Found:
         """The next frame: its crop and its landmarks (N, 2) in pixels of the frame."""
         blurred = pictures(crop, float(self.state.translation[2]), self.person.focal)
+        if self.tracks is not None:
+            self.tracks.follow(crop)
         anew = self._lost or not self.trust.predictor
         notes = ("recovered",) if self._lost else ()
         guess = self.absolute(points) if anew else self._predict(points)
@@ -90,11 +102,15 @@ class Tracker:
         self.missed = self._miss(points, self.state)
         if self.trust.keyframes:
             self._keep(crop, aligned)
-        return Found(self.state, self.missed, aligned.cost, aligned.used, notes)
+        tracked = self._renew(aligned)
+        edges = aligned.edges / crop.scale + crop.origin
+        return Found(self.state, self.missed, aligned.cost, aligned.used, tracked, edges, notes)
 
     def lose(self) -> None:
         """No face was seen: the next one is met without asking where the last one was."""
         self._lost = True
+        if self.tracks is not None:
+            self.tracks.lose()
 
     def absolute(self, points: Array) -> State:
         """What the landmarks (N, 2) alone tell, whatever came before."""
@@ -128,7 +144,22 @@ class Tracker:
 
     def _predict(self, points: Array) -> State:
         terms = self._landmarks(points, self.state, self.missed, PREDICTOR_SIGMA, 1.0)
-        return solve(self.state, [terms, self._prior()], 3)
+        return solve(self.state, [terms, *self._tracked(), self._prior()], 3)
+
+    def _tracked(self) -> list[Term]:
+        """What the points of the skin tell that were found again."""
+        if self.tracks is None or not self.tracks.held.any():
+            return []
+        sigma = POINT_SIGMA * self.person.focal / float(self.state.translation[2])
+        return [self.tracks.term(self.person.lens(), sigma, self.trust.points)]
+
+    def _renew(self, aligned: Aligned) -> Array:
+        """Where the points that were found again lie; then the next ones are taken up."""
+        if self.tracks is None:
+            return np.zeros((0, 2))
+        tracked = self.tracks.places[self.tracks.held]
+        self.tracks.renew(self.person.lens(), self.state, aligned.seen[self.tracks.rows])
+        return tracked
 
     def _landmarks(
         self, points: Array, state: State, missed: Array, sigma: float, weight: float
@@ -160,11 +191,13 @@ class Tracker:
     ) -> Aligned:
         person, trust = self.person, self.trust
         if not self.looks or trust.texture == 0.0:
-            nothing = np.zeros(0, dtype=np.intp)
-            return Aligned(solve(guess, self._anchors(points, guess, 1.0, 1.0), 3), 0.0, nothing)
+            alone = solve(guess, self._anchors(points, guess, 1.0, 1.0), 3)
+            nowhere = np.zeros(len(person.chart), dtype=bool)
+            return Aligned(alone, 0.0, np.flatnonzero(nowhere), nowhere, np.zeros((0, 2, 2)))
         look = self._nearest(guess)
-        normalise = Normaliser(person.chart, look.seen & visible(person, crop, guess, 0.2))
-        others = self._anchors(points, guess, trust.anchor)
+        seen = look.seen & visible(person, crop, guess, 0.2)
+        normalise = Normaliser(person.chart, seen)
+        others = [*self._anchors(points, guess, trust.anchor), *self._tracked()]
         if trust.motion:
             others.append(MotionTerm(guess, *MOTION_SIGMA))
         state = guess
@@ -182,10 +215,20 @@ class Tracker:
             )
             for level in range(len(blurred))
         ]
+        edges = np.zeros((0, 2, 2))
         for level in LEVELS:
-            state = step(state, [terms[level], *others])
+            across = self._outline(crop, blurred[-1], state)
+            state = step(state, [terms[level], *across, *others])
+        if trust.silhouette:
+            edges = across[0].pairs(state)
         used = self.rows[normalise.inner[self.rows]]
-        return Aligned(state, terms[-1].cost(state), used)
+        return Aligned(state, terms[-1].cost(state), used, seen, edges)
+
+    def _outline(self, crop: Crop, picture: Floats, state: State) -> list[SilhouetteTerm]:
+        weight = self.trust.silhouette
+        if not weight:
+            return []
+        return [match(self.person, self._folds, crop, picture, state, SILHOUETTE_SIGMA, weight)]
 
     def _turns(self, state: State) -> list[float]:
         return [
@@ -209,6 +252,17 @@ class Aligned:
     state: State
     cost: float
     used: Index
+    seen: Bools
+    """(M,) texels seen here and in the look that was compared."""
+    edges: Array
+    """(N, 2, 2) pixels of the crop."""
+
+
+def _tracks(person: Person, look: Look) -> PointTracks:
+    """Points on the corners of a look."""
+    mask = look.seen
+    rows = corners(person.chart, Normaliser(person.chart, mask)(look.levels[-1]), mask)
+    return PointTracks(rows, person.texels.take(rows))
 
 
 def _samples(person: Person, look: Look) -> Index:

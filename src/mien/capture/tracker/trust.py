@@ -13,6 +13,10 @@ class Trust:
     """Of a texel: neighbours are not independent."""
     anchor: float = 0.5
     """Of a landmark's place."""
+    points: float = 0.0
+    """Of a point of the skin that was found again."""
+    silhouette: float = 0.0
+    """Of an edge across the outline."""
     predictor: bool = True
     """Landmarks' motion since the frame before gives the start; or else their place does."""
     keyframes: bool = True
