@@ -38,7 +38,7 @@ from mien.mapping import MAPPERS, Settings
 from mien.mapping.arkit import arkit_weights
 from mien.mapping.fap import fap_values
 from mien.mapping.held import with_held
-from mien.mapping.looks import look
+from mien.mapping.beside import beside
 from mien.mapping.own import own_examples
 from mien.mapping.ranges import measure_ranges
 from mien.mapping.reconstruct import reconstruct
@@ -49,7 +49,7 @@ from mien.performance.curves import Curves
 from mien.performance.filters import smooth as smooth_curves
 from mien.performance.frame import Frame
 from mien.performance.performance import Performance
-from mien.performance.performer import Performer
+from mien.performance.performer import HeldFace, Performer
 from mien.rig.load import load_character
 
 Progress = Callable[[int, int | None], None]
@@ -228,7 +228,7 @@ def animate(
     eyes: float = 1.0,
     mouth: float = 1.0,
     head: float = 1.0,
-    own: str | Path | None = None,
+    own: str | Path | Sequence[HeldFace] | None = None,
     own_range: bool = False,
     smooth: bool = True,
 ) -> Curves:
@@ -236,8 +236,9 @@ def animate(
 
     ``gain`` exaggerates (1 leaves as it is), ``brows``, ``eyes``, ``mouth`` and ``head`` each a
     part; ``own`` is a file of moments of this performance that stand for poses of the character
-    (``formats.notes.own``), or a .performer with faces that were held; ``own_range`` makes the
-    range shown in it the character's; ``smooth`` False leaves the detector's tremble in.
+    (``formats.notes.own``), or a .performer with faces that were held, or such faces;
+    ``own_range`` makes the range shown in it the character's; ``smooth`` False leaves the
+    detector's tremble in.
     Weights that came under a vocabulary the character speaks pass as they are.
     Raises InputError.
     """
@@ -255,18 +256,24 @@ def animate(
         ranges=measure_ranges(performance) if own_range else None,
     )
     if own is not None:
-        settings = _with_own(settings, Path(own), character, performance)
+        settings = _with_own(settings, own, character, performance)
     mapper = _choose(MAPPERS, mapping, "mapping")(character, performance, settings)
-    curves = look(mapper(performance), character.looks)
+    curves = beside(mapper(performance), performance, character)
     return smooth_curves(curves) if smooth else curves
 
 
 def _with_own(
-    settings: Settings, path: Path, character: Character, performance: Performance
+    settings: Settings,
+    own: str | Path | Sequence[HeldFace],
+    character: Character,
+    performance: Performance,
 ) -> Settings:
-    if path.suffix.lower() == ".performer":
-        return with_held(settings, read_performer(path).held, character, performance)
-    return replace(settings, own=own_examples(performance, read_pairs(path)))
+    if isinstance(own, str | Path):
+        path = Path(own)
+        if path.suffix.lower() != ".performer":
+            return replace(settings, own=own_examples(performance, read_pairs(path)))
+        own = read_performer(path).held
+    return with_held(settings, own, character, performance)
 
 
 def animate_surface(

@@ -27,6 +27,7 @@ class Detector:
 
     def __init__(self) -> None:
         self._mesh: Any = _face_mesh()
+        self._counter: Any = None
         self._silent = False
 
     def __enter__(self) -> Detector:
@@ -39,6 +40,17 @@ class Detector:
         trace: TracebackType | None,
     ) -> None:
         self._mesh.close()
+        if self._counter is not None:
+            self._counter.close()
+
+    def faces(self, image: NDArray[np.uint8]) -> int:
+        """How many faces ``image`` (H, W, 3) RGB shows; ``landmarks`` follows one of them."""
+        with _quiet_stderr():
+            if self._counter is None:
+                from mediapipe.python.solutions.face_detection import FaceDetection
+
+                self._counter = FaceDetection(min_detection_confidence=0.6)
+            return len(self._counter.process(image).detections or ())
 
     def landmarks(
         self, image: NDArray[np.uint8], which: Sequence[int] = range(ALL_LANDMARKS)

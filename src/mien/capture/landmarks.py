@@ -6,7 +6,7 @@ every frame is then read by itself against it, so that live and offline give the
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,6 +52,10 @@ SPANS = (
     Span("8.3", "8.4", 0, 0.7),
 )
 """Lip opening and mouth width are seen better than either of their ends."""
+
+
+_AJAR = 0.7
+"""Part of the open eye at which nobody calls it shut."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,6 +115,16 @@ def calibrate(
         place=np.median(fit.translation, axis=0),
         focal=focal,
     )
+
+
+def with_shut(known: Calibration, track: LandmarkTrack, ground: Ground) -> Calibration:
+    """``known`` with the lids as ``track`` shows them, in which both eyes are shut. Raises
+    InputError where they are not."""
+    _, motion = _read(known.model, rays(track, known.focal), ground)
+    shut = np.median(lids.openings(known.model + motion, known.model), axis=0)
+    if (shut > _AJAR * known.lids.open).any():
+        raise InputError("the eyes were not shut; shut both and hold them")
+    return replace(known, lids=lids.LidRange(known.lids.open, shut))
 
 
 def rest_of(

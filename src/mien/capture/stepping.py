@@ -6,15 +6,19 @@ it from the first second in which they see a face, which should be at rest.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections import deque
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from math import inf
 from typing import Protocol
 
 import numpy as np
 
 from mien.capture.detector import Detector
-from mien.capture.landmarks import Calibration, calibrate, perform
+from mien.capture.known import curve_calibration, landmark_calibration
+from mien.capture.landmarks import Calibration, calibrate, perform, with_shut
 from mien.capture.neutral import ground
+from mien.capture.snakes.colour.palette import trained
 from mien.capture.snakes.points import depths
 from mien.capture.snakes.reading import Calibration as CurveCalibration
 from mien.capture.snakes.reading import calibrate as calibrate_curves
@@ -23,14 +27,20 @@ from mien.capture.snakes.stepper import SnakeCapture
 from mien.capture.snakes.track import Gathering
 from mien.capture.snakes.watch import trace_of
 from mien.capture.track import KEPT, LandmarkTrack
+from mien.errors import InputError
 from mien.face.library import generic_face
 from mien.performance.frame import Frame
 from mien.performance.performance import Performance
+from mien.performance.performer import Performer
 from mien.performance.trace import Trace
 
 LEARNING = 1.0
 """Seconds of a face from which its performer is learned."""
 _LEAST_FRAMES = 8
+_RECENT = 1.0
+"""Seconds of landmarks that are kept, to learn shut lids from."""
+_COUNTED = 1.0
+"""Seconds between two moments at which the faces in view are counted."""
 
 
 class Stepper(Protocol):
@@ -60,8 +70,15 @@ class LandmarkStepper:
         self._known = known
         self._seen: list[LandmarkTrack] = []
         self._last: Performance | None = None
+        self._recent: deque[LandmarkTrack] = deque()
+        self._faces, self._counted = 1, -inf
         self._detector = Detector()
         self.trace = Trace()
+
+    @property
+    def known(self) -> Calibration | None:
+        """What is known of the performer."""
+        return self._known
 
     def step(self, frame: Frame) -> Performance | None:
         """See Stepper."""
@@ -69,9 +86,14 @@ class LandmarkStepper:
         if found is None:
             self.trace = Trace(lost=True)
             return _lost(self._last, frame.time)
-        self.trace = Trace(points=found[:, :2].astype(float))
+        if not 0.0 <= frame.time - self._counted < _COUNTED:
+            self._faces, self._counted = self._detector.faces(frame.image), frame.time
+        self.trace = Trace(points=found[:, :2].astype(float), faces=max(self._faces, 1))
         size = (frame.image.shape[1], frame.image.shape[0])
         now = LandmarkTrack(np.array([frame.time]), found[None], np.zeros(1, dtype=bool), size)
+        self._recent.append(now)
+        while not 0.0 <= frame.time - self._recent[0].time[0] <= _RECENT:
+            self._recent.popleft()
         if self._known is None:
             self._seen.append(now)
             if not self._learned():
@@ -84,6 +106,15 @@ class LandmarkStepper:
         """See Stepper."""
         self._known, self._seen, self._last = None, [], None
 
+    def learn_shut(self, seconds: float) -> None:
+        """Both eyes were shut in the last ``seconds``, at most _RECENT. Raises InputError where
+        they were not."""
+        if self._known is None or not self._recent:
+            raise InputError("nobody is known yet whose lids could be learnt")
+        since = self._recent[-1].time[0] - seconds
+        held = _joined([track for track in self._recent if track.time[0] >= since])
+        self._known = with_shut(self._known, held, self._ground)
+
     def close(self) -> None:
         """See Stepper."""
         self._detector.__exit__(None, None, None)
@@ -92,9 +123,7 @@ class LandmarkStepper:
         time = np.array([float(track.time[0]) for track in self._seen])
         if len(time) < _LEAST_FRAMES or time[-1] - time[0] < LEARNING:
             return False
-        points = np.concatenate([track.points for track in self._seen])
-        lost = np.zeros(len(time), dtype=bool)
-        whole = LandmarkTrack(time, points, lost, self._seen[-1].size)
+        whole = _joined(self._seen)
         span = (float(time[0]), float(time[-1]))
         self._known = calibrate(whole, self._ground, neutral=span, focal=self._focal)
         self._seen = []
@@ -104,12 +133,18 @@ class LandmarkStepper:
 class SnakeStepper:
     """The curves, frame by frame."""
 
-    def __init__(self, known: CurveCalibration | None = None, focal: float | None = None) -> None:
-        """``known`` from an earlier take of the same performer and camera; ``focal`` in pixels."""
+    def __init__(
+        self,
+        known: CurveCalibration | None = None,
+        focal: float | None = None,
+        capture: SnakeCapture | None = None,
+    ) -> None:
+        """``known`` from an earlier take of the same performer and camera, ``capture`` that knows
+        their look; ``focal`` in pixels."""
         self._depth = depths(generic_face())
         self._focal = focal
         self._known = known
-        self._capture = SnakeCapture()
+        self._capture = capture or SnakeCapture()
         self._seen, self._since = Gathering(), 0.0
         self._last: Performance | None = None
         self.trace = Trace()
@@ -142,6 +177,12 @@ class SnakeStepper:
         """See Stepper."""
 
 
+def _joined(tracks: Sequence[LandmarkTrack]) -> LandmarkTrack:
+    time = np.concatenate([track.time for track in tracks])
+    points = np.concatenate([track.points for track in tracks])
+    return LandmarkTrack(time, points, np.zeros(len(time), dtype=bool), tracks[-1].size)
+
+
 def _lost(last: Performance | None, time: float) -> Performance | None:
     """The last look, marked as lost."""
     if last is None:
@@ -154,3 +195,14 @@ STEPPERS: Mapping[str, Callable[[], Stepper]] = {
     "snakes": SnakeStepper,
 }
 """Captures that can be stepped, by the name of the capture."""
+
+
+def meet(capture: str, performer: Performer | None) -> Stepper:
+    """A stepper of the ``capture`` that knows what ``performer`` tells it. Raises KeyError for an
+    unknown capture, FormatError where what is told is not sound."""
+    if performer is not None and capture == "landmarks" and performer.landmarks:
+        return LandmarkStepper(landmark_calibration(performer.landmarks))
+    if performer is not None and capture == "snakes" and performer.curves:
+        known, look, networks = curve_calibration(performer.curves)
+        return SnakeStepper(known, capture=SnakeCapture(look, trained(networks)))
+    return STEPPERS[capture]()

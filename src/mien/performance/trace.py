@@ -31,6 +31,8 @@ class Trace:
     """(4, 2) the head's origin and the tips of its x, y and z axis, or (0, 2)."""
     beside: NDArray[np.uint8] | None = None
     """(H, W, 3) a picture to show beside the frame (the transformed image), or None."""
+    faces: int = 1
+    """Faces in view, where the capture counts them; one is followed."""
     lost: bool = False
     """No face was found."""
     notes: tuple[str, ...] = ()

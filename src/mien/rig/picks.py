@@ -7,13 +7,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
 from mien.errors import FormatError, InputError
 from mien.face.face import Array
+from mien.formats.atomic import whole_file
 from mien.formats.notes.toml import read_toml
 from mien.vocabulary.fdp import feature_points
 
@@ -44,6 +45,20 @@ def read_picks(path: Path) -> Picks:
             raise FormatError(f"{path}: '{name}' is not at [x, y, z]")
     require(found, str(path))
     return {name: np.array(place, dtype=float) for name, place in found.items()}
+
+
+def write_picks(path: Path, picks: Mapping[str, Sequence[float]]) -> None:
+    """Write what ``read_picks`` reads. Raises InputError where it would refuse it, OutputError."""
+    known = feature_points()
+    lines = ["# Feature points (MPEG-4 numbers) in the file's own coordinates.", "", "[points]"]
+    for name, place in picks.items():
+        if name not in known or not _is_place(list(place)):
+            raise InputError(f"'{name[:40]}' is no feature point, or not at x, y, z")
+        numbers = ", ".join(repr(float(x)) for x in place)
+        lines.append(f'"{name}" = [{numbers}] # {known[name].place}')
+    require(picks, path.name)
+    with whole_file(path) as temporary:
+        temporary.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 def require(found: Mapping[str, object], where: str) -> None:

@@ -1,0 +1,86 @@
+"""The landmark capture, one frame at a time: shut lids that are learnt, and faces in view."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from importlib.resources import files
+from itertools import islice
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+pytest.importorskip("mediapipe", reason="the extra 'landmarks' is not installed")
+
+from mien.capture.detector import follow
+from mien.capture.known import landmark_section
+from mien.capture.landmarks import calibrate, perform, with_shut
+from mien.capture.neutral import ground
+from mien.capture.stepping import LandmarkStepper, meet
+from mien.capture.track import ROW, LandmarkTrack
+from mien.errors import InputError
+from mien.face.library import generic_face
+from mien.formats.pictures.sources import open_source
+from mien.performance.frame import Frame
+from mien.performance.performer import Performer
+from mien.vocabulary.landmarks import LOWER_LID, UPPER_LID
+
+
+@pytest.fixture(scope="module")
+def film() -> list[Frame]:
+    """The start of the clip that is shipped."""
+    return list(islice(open_source(Path(str(files("mien") / "data" / "sample.mp4"))), 40))
+
+
+@pytest.fixture
+def stepper() -> Iterator[LandmarkStepper]:
+    stepper = LandmarkStepper()
+    yield stepper
+    stepper.close()
+
+
+def shut(track: LandmarkTrack, share: float) -> LandmarkTrack:
+    """The same face with its upper lids brought down on the lower ones by a ``share``."""
+    points = track.points.copy()
+    for uppers, lowers in zip(UPPER_LID, LOWER_LID, strict=True):
+        for upper, lower in zip(uppers, lowers, strict=True):
+            up, down = points[:, ROW[upper], 1], points[:, ROW[lower], 1]
+            points[:, ROW[upper], 1] = up + share * (down - up)
+    return replace(track, points=points)
+
+
+def test_lids_that_were_shut_are_shut_from_then_on(film: list[Frame]) -> None:
+    face, base = follow(film), ground(generic_face())
+    known = with_shut(calibrate(face, base), shut(face, 0.8), base)
+    for share, closure in ((0.8, 1.0), (0.0, 0.0)):
+        seen = perform(shut(face, share), known, base, "a test")
+        for lid in ("lid_left", "lid_right"):
+            assert np.median(seen.scalars[lid]) == pytest.approx(closure, abs=0.25)
+    with pytest.raises(InputError, match="not shut"):
+        with_shut(known, face, base)
+
+
+def test_a_performer_is_met_again(film: list[Frame], stepper: LandmarkStepper) -> None:
+    for frame in film:
+        stepper.step(frame)
+    known = stepper.known
+    assert known is not None
+    friend = meet("landmarks", Performer(landmarks=landmark_section(known)))
+    assert isinstance(friend, LandmarkStepper)
+    assert friend.known is not None
+    np.testing.assert_array_equal(friend.known.model, known.model)
+    assert friend.step(film[0]) is not None
+    friend.close()
+
+
+def test_faces_in_view_are_counted_and_one_is_followed(
+    film: list[Frame], stepper: LandmarkStepper
+) -> None:
+    image = film[0].image
+    two = np.ascontiguousarray(np.concatenate([image, image], axis=1))
+    stepper.step(Frame(image, 0.0))
+    assert stepper.trace.faces == 1
+    for time in (0.5, 1.5):
+        stepper.step(Frame(two, time))
+    assert stepper.trace.faces == 2
