@@ -68,11 +68,11 @@ def _read_fap(path: Path) -> Performance:
 
 
 def _write_fap(performance: Performance, path: Path) -> None:
-    write_take(path, simple_take(performance.time, fap_values(_moving(performance))))
+    write_take(path, simple_take(performance.time, fap_values(moving(performance))))
 
 
 def _write_arkit(performance: Performance, path: Path) -> None:
-    weights = arkit_weights(_moving(performance), generic_face())
+    weights = arkit_weights(moving(performance), generic_face())
     write_livelink(path, performance.time, weights, performance.head()[0], performance.gaze)
 
 
@@ -246,7 +246,7 @@ def animate(
         character = load_character(character)
     if understood(performance, character):
         return pass_through(performance, character)
-    performance = _moving(performance)
+    performance = moving(performance)
     settings = Settings(
         gain=gain,
         brows=brows,
@@ -291,7 +291,7 @@ def animate_surface(
     topology (``load_performer``). ``mapping`` is "bounded", "genetic" or "published"; ``smooth``
     False leaves the markers' noise in. Raises InputError.
     """
-    performance = _moving(performance)
+    performance = moving(performance)
     surface = reconstruct(performance, bank, face=face, solver=mapping, smooth=smooth)
     return act_surface(surface, performance, bank.name)
 
@@ -301,7 +301,7 @@ def enrich(
 ) -> Performance:
     """``performance`` with the motion of every feature point of a databank's face, also of those
     that wore no marker; for characters of any other mesh. As ``animate_surface``."""
-    performance = _moving(performance)
+    performance = moving(performance)
     surface = reconstruct(performance, bank, solver=mapping, smooth=smooth)
     return told_points(surface, performance)
 
@@ -329,7 +329,7 @@ def load_performer(path: str | Path, bank: Databank) -> Face:
         raise InputError(f"{path}: {error}") from error
 
 
-def _moving(performance: Performance) -> Performance:
+def moving(performance: Performance) -> Performance:
     """``performance`` with motion of feature points, also where it came as weights."""
     if performance.points or not performance.vocabulary:
         return performance
