@@ -10,19 +10,17 @@ from mien.cli.results import results
 from mien.errors import InputError
 
 if TYPE_CHECKING:
-    from mien.face.character import Character
     from mien.performance.performance import Performance
 
 COUNT = 3
 """How many are suggested."""
-_NO_POINTS_TELL = ("eyeLook", "mouthClose", "tongueOut", "cheekPuff", "cheek_puff")
 
 
 def suggest_keys(options: argparse.Namespace) -> None:
     """Name what CHARACTER lacks most for ``--takes``, with a picture of each."""
     from mien.face.library import generic_face
     from mien.formats.pictures.images import write_image
-    from mien.mapping.suggest import suggest
+    from mien.mapping.suggest import lacking, suggest
     from mien.rig.load import load_character
     from mien.sculpt.transfer.make import make
     from mien.view.contact_sheet import contact_sheet
@@ -33,7 +31,7 @@ def suggest_keys(options: argparse.Namespace) -> None:
         raise InputError("character suggest: name recordings or .mien files with --takes")
     character = load_character(options.names[0])
     generic = generic_face()
-    names = _candidates(character, generic)
+    names = lacking(character, generic)
     takes = [_take(take) for take in options.takes]
     remark(options, f"{len(names)} key models are tried")
     found = suggest(character, takes, generic, names, COUNT)
@@ -59,16 +57,6 @@ def suggest_keys(options: argparse.Namespace) -> None:
         ),
         str(picture),
     )
-
-
-def _candidates(character: Character, generic: Character) -> list[str]:
-    """The generic face's key models that the character has under no name."""
-    has = {*character.keys.names, *character.meanings.values()}
-    return [
-        name
-        for name in generic.keys.names
-        if name not in has and not name.startswith(_NO_POINTS_TELL)
-    ]
 
 
 def _take(path: str) -> Performance:

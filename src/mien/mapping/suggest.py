@@ -22,6 +22,7 @@ _FRAMES = 150
 """Of all takes together, evenly."""
 _RIDGE = 0.3
 _LITTLE = 1e-9
+_NO_POINTS_TELL = ("eyeLook", "mouthClose", "tongueOut", "cheekPuff", "cheek_puff")
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,6 +84,17 @@ def suggest(
     return [
         Suggestion(names[c], before, after)
         for c, before, after in zip(chosen, errors[:-1], errors[1:], strict=True)
+    ]
+
+
+def lacking(character: Character, source: Character) -> list[str]:
+    """The key models of ``source`` that ``character`` has under no name, as far as feature points
+    can tell of them."""
+    has = {*character.keys.names, *character.meanings.values()}
+    return [
+        name
+        for name in source.keys.names
+        if name not in has and not name.startswith(_NO_POINTS_TELL)
     ]
 
 
