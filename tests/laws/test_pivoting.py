@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from mien.numeric.pivoting import pivot
+from mien.numeric.positive import solve_positive
 from mien.numeric.qp import kkt_residual, solve_boxes
 
 
@@ -62,3 +63,13 @@ def test_bounds_may_be_nowhere() -> None:
 def test_a_valley_without_a_bottom_is_told() -> None:
     with pytest.raises(ArithmeticError, match="no minimum"):
         solve_boxes(-np.eye(3)[None], np.ones((1, 3)), np.full(3, -np.inf), np.full(3, np.inf))
+
+
+def test_positive_equations_are_solved_or_told() -> None:
+    matrices, right = problems(3, 4, 6)
+    found = solve_positive(matrices, right)
+    np.testing.assert_allclose(np.einsum("fij,fj->fi", matrices, found), right, atol=1e-9)
+    shared = solve_positive(matrices[:1], right)
+    np.testing.assert_allclose(shared @ matrices[0], right, atol=1e-9)
+    with pytest.raises(ArithmeticError, match="positive"):
+        solve_positive(-matrices, right)

@@ -14,12 +14,13 @@ No frame looks at another: F frames at once or one at a time give the same numbe
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mien.capture.normal_equations import accumulate
+from mien.numeric.positive import solve_positive
 from mien.numeric.rotation import from_vector
 
 Array = NDArray[np.float64]
@@ -52,6 +53,12 @@ class HeadModel:
     """(K, N, 3) mm."""
     rigid: NDArray[np.intp]
     """Rows that expressions leave alone; they give the first pose."""
+    by_point: Array = field(init=False, repr=False)
+    """(N, 3, K) the shapes once more, as one pass over the points needs them."""
+
+    def __post_init__(self) -> None:
+        by_point = np.ascontiguousarray(self.shapes.transpose(1, 2, 0))
+        object.__setattr__(self, "by_point", by_point)
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,7 +140,7 @@ def _step(
     """One Gauss-Newton step on pose and weights; weights that press against a bound rest there."""
     normal, right = accumulate(
         model.neutral,
-        np.ascontiguousarray(np.moveaxis(model.shapes, 0, 2)),
+        model.by_point,
         rays,
         rotation,
         translation,
@@ -149,7 +156,7 @@ def _step(
         (weights >= settings.weight_max) & (right[:, 6:] > 0.0)
     )
     normal[:, diagonal, diagonal] += 1e9 * pressed
-    step = np.asarray(np.linalg.solve(normal, right[..., None])[..., 0], dtype=np.float64)
+    step = solve_positive(normal, right)
     return (
         from_vector(step[:, :3]) @ rotation,
         translation + step[:, 3:6],

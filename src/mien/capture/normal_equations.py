@@ -74,8 +74,10 @@ def accumulate(
             for row in range(unknowns):
                 heavy_across, heavy_down = trust * across[row], trust * down[row]
                 right[f, row] -= heavy_across * miss_across + heavy_down * miss_down
-                for column in range(unknowns):
+                for column in range(row + 1):
                     normal[f, row, column] += (
                         heavy_across * across[column] + heavy_down * down[column]
                     )
+        for row in range(unknowns):
+            normal[f, :row, row] = normal[f, row, :row]
     return normal, right

@@ -13,12 +13,12 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg.lapack import dposv
 
 from mien.face.pieces import Pieces
 from mien.mapping.regional import RegionalCardinal
 from mien.mapping.settings import Settings
 from mien.mapping.sight import Sight, seen
+from mien.numeric.positive import solve_positive
 from mien.numeric.qp import solve_boxes
 
 Array = NDArray[np.float64]
@@ -78,7 +78,7 @@ class Programme:
         stiff = gram.copy()
         ridge = max(self._settings.linear_ridge, _FIRM * float(gram.max()))
         _add_to_diagonals(stiff, np.full(len(gram), ridge))
-        weights = _solved(stiff, onto)
+        weights = solve_positive(stiff, onto)
         guess = (weights @ self._fields.reshape(len(self._fields), -1)).reshape(motion.shape)
         depth = (guess * unseen[:, None]).sum(axis=-1, keepdims=True)
         return np.asarray(motion @ sight + depth * unseen[:, None])
@@ -87,14 +87,6 @@ class Programme:
 def _add_to_diagonals(matrices: Array, amount: Array) -> None:
     """Add ``amount`` (U,) to the diagonals of ``matrices`` (U, W, W), in place."""
     np.einsum("uii->ui", matrices)[:] += amount[:, None]
-
-
-def _solved(matrices: Array, right: Array) -> Array:
-    """(F, W) solutions for ``right`` (F, W) of positive definite ``matrices`` (F, W, W), or
-    (1, W, W) where all share one."""
-    if len(matrices) == 1:
-        return np.asarray(dposv(matrices[0], right.T)[1].T)
-    return np.stack([dposv(a, b)[1] for a, b in zip(matrices, right, strict=True)])
 
 
 def _belief(unseen: Array) -> Array:
