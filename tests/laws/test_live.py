@@ -25,6 +25,7 @@ from mien.live.outputs import Sender, address
 from mien.live.run import run
 from mien.live.stage import Stage
 from mien.mapping import MAPPERS, Settings
+from mien.mapping.beside import beside
 from mien.performance.arkit_frame import ArkitFrame, performance_of
 from mien.performance.filters import Smoother
 from mien.performance.frame import Frame
@@ -64,7 +65,8 @@ def test_stepped_frames_give_the_weights_of_the_whole_take() -> None:
     stage = Stage([man], Replayed(take))
     blank = np.zeros((4, 4, 3), dtype=np.uint8)
     moments = [stage.see(Frame(blank, float(moment))) for moment in take.time]
-    whole = Smoother()(MAPPERS["cardinal"](man, take, Settings())(take))
+    mapped = MAPPERS["cardinal"](man, take, Settings())(take)
+    whole = Smoother()(beside(mapped, take, man))
     for frame, moment in enumerate(moments):
         assert moment.curves is not None
         curves = moment.curves["man"]

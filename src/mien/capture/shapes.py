@@ -12,24 +12,28 @@ from mien.vocabulary.arkit import names
 
 _SIGMA = 0.5
 """mm; a phone's weights are smooth, and it is our own face that stands between."""
+_TOLD = {
+    "lid_left": "eyeBlinkLeft",
+    "lid_right": "eyeBlinkRight",
+    "tongue_out": "tongueOut",
+    "cheek_puff": "cheekPuff",
+}
+"""Scalars of a performance in ARKit's words."""
 
 
 def motion_from_shapes(performance: Performance, generic: Character) -> Performance:
     """``performance`` with the motion of feature points that its ARKit weights stand for.
 
     The performer becomes the generic face: (F, P, 3) motion is the weighted sum of its 52 shapes
-    at its feature points; lids follow eyeBlinkLeft and eyeBlinkRight. Raises ValueError for
-    another vocabulary.
+    at its feature points; what those do not show is told: lids, tongue and cheeks. Raises
+    ValueError for another vocabulary.
     """
     if performance.vocabulary != "arkit":
         raise ValueError(f"no shapes are known for the vocabulary '{performance.vocabulary}'")
     face, spoken = generic.face, names()
     fields = face.points.at(np.stack([generic.keys[name] for name in spoken]))
     points = face.points.ids
-    lids = {
-        f"lid_{side.lower()}": performance.shapes[:, spoken.index(f"eyeBlink{side}")]
-        for side in ("Left", "Right")
-    }
+    told = {scalar: performance.shapes[:, spoken.index(word)] for scalar, word in _TOLD.items()}
     return replace(
         performance,
         points=points,
@@ -37,5 +41,5 @@ def motion_from_shapes(performance: Performance, generic: Character) -> Performa
         motion=np.tensordot(performance.shapes, fields, axes=1),
         sigma=np.full((len(points), 3), _SIGMA),
         unseen=np.zeros((len(performance), 3)),
-        scalars={**performance.scalars, **lids},
+        scalars={**performance.scalars, **told},
     )

@@ -18,6 +18,7 @@ from mien.face.character import Character
 from mien.face.library import generic_face
 from mien.mapping import MAPPERS, Mapper, Settings
 from mien.mapping.arkit import ArkitMapper
+from mien.mapping.beside import beside
 from mien.mapping.held import with_held
 from mien.performance.arkit_frame import ArkitFrame, performance_of
 from mien.performance.curves import Curves
@@ -113,7 +114,10 @@ class Stage:
         heard = bool(performance.vocabulary and not performance.points)
         moved = motion_from_shapes(performance, generic_face()) if heard else performance
         self._meet(moved)
-        mapped = [mapper(moved) for mapper in self._mappers.values()]
+        mapped = [
+            beside(self._mappers[character.name](moved), moved, character)
+            for character in self._characters
+        ]
         curves = dict(zip(self._mappers, self._smoother.together(mapped), strict=True))
         return Moment(
             time,

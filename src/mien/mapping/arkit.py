@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mien.face.character import Character
+from mien.mapping.beside import OUTRIGHT
 from mien.mapping.joint import JointMapper
 from mien.performance.performance import Performance
 from mien.vocabulary.arkit import names
@@ -19,7 +20,7 @@ _LOOK = np.radians(35.0)
 _APART = ("eyeBlink", "eyeLook")
 """Set from lids and gaze, which are measured apart from the skin's motion."""
 _UNSEEN = frozenset(("tongueOut", "mouthClose"))
-"""The tongue is not tracked, and mouthClose only means something against jawOpen."""
+"""No feature point tells of the tongue, and mouthClose only means something against jawOpen."""
 
 
 def arkit_weights(performance: Performance, generic: Character) -> Array:
@@ -56,4 +57,8 @@ class ArkitMapper:
             lid = performance.scalars.get(f"lid_{side.lower()}")
             if lid is not None:
                 weights[:, self._spoken.index(f"eyeBlink{side}")] = lid
+        for scalar, word in OUTRIGHT.items():
+            if scalar in performance.scalars:
+                column = weights[:, self._spoken.index(word)]
+                np.fmax(column, performance.scalars[scalar], out=column)
         return np.clip(weights, 0.0, 1.0)
