@@ -8,19 +8,14 @@ import pytest
 from numpy.typing import NDArray
 
 from mien.capture.snakes.colour.network import Lesson, Network, error, train, untrained
-from mien.capture.snakes.colour.transform import (
-    Weights,
-    brightness,
-    channels,
-    contrast,
-    magenta,
-    neighbourhood,
-    transform,
-)
+from mien.capture.snakes.colour.pigments import pigments
+from mien.capture.snakes.colour.skin import USUAL_SKIN
+from mien.capture.snakes.colour.transform import Weights, channels, contrast, transform
 from mien.capture.snakes.curves.energy import HALF_STEP, SAMPLES, Terms, descend, energy, packed
 from mien.capture.snakes.curves.features import usual_lenses
+from mien.capture.snakes.curves.fields import Look, look_at
 from mien.capture.snakes.curves.lens import LOWER, UPPER, height, tallness
-from mien.capture.snakes.head.patch import HEIGHT, WIDTH
+from mien.capture.snakes.head.patch import COARSE, HEIGHT, WIDTH
 from mien.capture.snakes.head.pose import RESTING, Pose, fit_pose
 from mien.numeric.bezier import bernstein, bernstein_slope, curve, fit
 from mien.numeric.rotation import from_vector
@@ -44,11 +39,12 @@ def some_prior(random: np.random.Generator) -> tuple[Array, Array]:
     return root @ root.T, random.normal(0.0, 0.01, 12)
 
 
+@pytest.mark.parametrize("pitch", [1.0, 2.0])
 @pytest.mark.parametrize("seed", range(8))
-def test_the_gradient_of_the_energy_is_its_slope(seed: int) -> None:
+def test_the_gradient_of_the_energy_is_its_slope(seed: int, pitch: float) -> None:
     random = np.random.default_rng(seed)
     lens, field = some_lens(random), some_field(seed)
-    terms = Terms(edge=1.3, outside=0.9, inside=1.1, reach=3.3, least_width=90.0)
+    terms = Terms(edge=1.3, outside=0.9, inside=1.1, reach=3.3, least_width=90.0, pitch=pitch)
     prior = some_prior(random)
     _, gradient = energy(lens, field, CORNER, terms, *prior)
     slope, step = np.empty((6, 2)), 1e-5
@@ -67,8 +63,8 @@ def plain_energy(lens: Array, field: Array, terms: Terms, quadratic: Array, line
     at = (np.arange(SAMPLES) + 0.5) / SAMPLES
 
     def look(places: Array) -> Array:
-        x = np.clip(places[:, 0] - CORNER[0], 0, field.shape[1] - 1.000001)
-        y = np.clip(places[:, 1] - CORNER[1], 0, field.shape[0] - 1.000001)
+        x = np.clip((places[:, 0] - CORNER[0]) / terms.pitch, 0, field.shape[1] - 1.000001)
+        y = np.clip((places[:, 1] - CORNER[1]) / terms.pitch, 0, field.shape[0] - 1.000001)
         i, j, f, g = y.astype(int), x.astype(int), y % 1.0, x % 1.0
         above = field[i, j] * (1 - g) + field[i, j + 1] * g
         below = field[i + 1, j] * (1 - g) + field[i + 1, j + 1] * g
@@ -93,11 +89,12 @@ def plain_energy(lens: Array, field: Array, terms: Terms, quadratic: Array, line
     return total + 0.02 * float((crossed**2).mean()) + 0.01 * missing**2 + prior
 
 
+@pytest.mark.parametrize("pitch", [1.0, 2.0])
 @pytest.mark.parametrize("seed", range(8))
-def test_the_energy_kernel_equals_its_numpy_twin(seed: int) -> None:
+def test_the_energy_kernel_equals_its_numpy_twin(seed: int, pitch: float) -> None:
     random = np.random.default_rng(seed)
     lens, field, prior = some_lens(random), some_field(seed), some_prior(random)
-    terms = Terms(reach=2.5, least_width=75.0)
+    terms = Terms(reach=2.5, least_width=75.0, pitch=pitch)
     twin = plain_energy(lens, field.astype(float), terms, *prior)
     assert energy(lens, field, CORNER, terms, *prior)[0] == pytest.approx(twin, abs=2e-5)
 
@@ -120,26 +117,36 @@ def test_descent_never_goes_uphill_and_finds_a_bright_lens() -> None:
     assert np.abs(middle[0][:, 1] - middle[1][:, 1]).mean() < 1.5
 
 
-def test_the_colour_kernel_equals_its_numpy_twin() -> None:
-    random = np.random.default_rng(3)
-    patch = cv2.GaussianBlur(
-        random.integers(20, 235, (HEIGHT, WIDTH, 3), dtype=np.uint8), (0, 0), 2.0
-    )
-    gains = np.array([1.2, 0.9, 1.1])
-    value = brightness(patch, gains)
-    assert np.allclose(value, (patch * gains).max(axis=2), atol=1e-3)
-    mean = neighbourhood(value)
-    weights = Weights(0.2, 0.3, -0.4, 0.5, 0.1)
-    kernel = transform(patch, gains, value, mean, weights, BOX)
-    parts = channels(patch, gains, value, mean, BOX)
-    twin = contrast(parts @ np.array([0.2, 0.3, -0.4, 0.5]) + 0.1)
+@pytest.mark.parametrize("pitch", [1, COARSE])
+def test_the_colour_kernel_equals_its_numpy_twin(pitch: int) -> None:
+    look, gains = some_look(), np.array([1.2, 0.9, 1.1])
+    assert np.allclose(look.value, (look.small * gains).max(axis=2), atol=1e-3)
+    weights = Weights(0.2, 0.3, -0.4, 0.5, 0.1), Weights(-0.5, 0.0, 0.0, 0.0, 0.05)
+    kernel = transform(look.at(pitch), gains, look.mean, weights, BOX, pitch)
+    parts = channels(look.at(pitch), gains, look.mean, BOX, pitch)
+    rows = np.array([[0.2, 0.3, -0.4, 0.5], [-0.5, 0.0, 0.0, 0.0]])
+    twin = contrast((parts @ rows.T + np.array([0.1, 0.05])).max(axis=-1))
     # The kernel looks logarithm, hue and contrast up in tables of a thousand steps.
     assert np.abs(kernel - twin).max() < 0.06
     assert np.abs(kernel - twin).mean() < 0.006
-    left, top = BOX[0] + 112, BOX[1] + 75
-    scaled = (patch * gains)[top : top + kernel.shape[0], left : left + kernel.shape[1]]
-    pink = 1.0 - scaled[..., 1] / scaled.max(axis=2)
-    assert np.allclose(magenta(patch, gains, BOX), pink, atol=1e-4)
+
+
+def test_the_pigment_kernel_equals_its_numpy_twin() -> None:
+    look, gains = some_look(), np.array([1.2, 0.9, 1.1])
+    columns, rows = slice(46, 178), slice(155, 264)
+    seen = pigments(look.patch, gains, (46, 155, 178, 264), 1)
+    scaled = (look.patch * gains)[rows, columns]
+    assert np.allclose(seen.value, scaled.max(axis=2), atol=1e-3)
+    assert np.allclose(seen.magenta, 1.0 - scaled[..., 1] / scaled.max(axis=2), atol=1e-4)
+    assert np.allclose(seen.blue, scaled[..., 2] / scaled[..., 1], rtol=1e-4)
+    assert np.array_equal(seen.pixels(np.array([-66.0, 80.0])), [0.0, 0.0])
+
+
+def some_look() -> Look:
+    random = np.random.default_rng(3)
+    noise = random.integers(20, 235, (HEIGHT, WIDTH, 3), dtype=np.uint8)
+    patch = np.asarray(cv2.GaussianBlur(noise, (0, 0), 2.0))
+    return look_at(patch, USUAL_SKIN / np.array([1.2, 0.9, 1.1]))
 
 
 def test_features_are_darker_than_skin() -> None:

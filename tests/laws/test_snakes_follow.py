@@ -64,7 +64,7 @@ def test_the_patch_comes_back_to_the_frame() -> None:
 
 def test_subareas_are_eleven_and_inside_the_patch() -> None:
     assert len(subareas()) == 11
-    shade = np.tile(np.arange(224, dtype=np.float32), (264, 1))
+    shade = np.tile(np.arange(112, dtype=np.float32), (132, 1))
     seen = dict(zip(subareas(), means(shade), strict=True))
     assert seen["cheek_right"] < seen["nostrils"] < seen["cheek_left"]
 

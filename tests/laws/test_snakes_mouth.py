@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import cv2
 import numpy as np
 import pytest
 
 from mien.capture import CAPTURES, CaptureSettings
+from mien.capture.snakes.colour.pigments import Pigments
 from mien.capture.snakes.curves.features import usual_lenses
-from mien.capture.snakes.mouth import LipColour, filled, tongue_out
+from mien.capture.snakes.mouth import LipColour, filled, hull_edges, tongue_out
 from mien.capture.snakes.stepper import SnakeCapture
 from mien.face.library import load_character
 from mien.performance.frame import Frame
@@ -25,7 +27,8 @@ def mouth(inner: tuple[float, float, float], low: tuple[float, float, float]) ->
     corner, shape = np.array([-70.0, 60.0]), (130, 140)
     colour = np.empty((*shape, 3))
     colour[:] = SKIN
-    colour[filled(lips, corner, shape) > 0] = LIP
+    blank = np.zeros(shape, np.float32)
+    colour[filled(lips, Pigments(blank, blank, blank, corner, 1)) > 0] = LIP
     rows, columns = (np.round(lips.mean(axis=0) - corner)[::-1]).astype(int)
     across = slice(columns - 22, columns + 23)
     for first, last, paint in ((-14, -6, DARK), (-6, 4, inner), (4, 9, low)):
@@ -34,7 +37,7 @@ def mouth(inner: tuple[float, float, float], low: tuple[float, float, float]) ->
     magenta = (1.0 - colour[..., 1] / value).astype(np.float32)
     blue = (colour[..., 2] / colour[..., 1]).astype(np.float32)
     own = LipColour(LIP[0], 1.0 - LIP[1] / LIP[0])
-    return tongue_out(lips, own, value, magenta, blue, corner)
+    return tongue_out(lips, Pigments(value, magenta, blue, corner, 1), own)
 
 
 @pytest.mark.parametrize(
@@ -52,6 +55,18 @@ def test_a_tongue_is_pale_pink_under_dark_and_above_no_teeth(
     inner: tuple[float, float, float], low: tuple[float, float, float], out: bool
 ) -> None:
     assert (mouth(inner, low) > 0.5) == out
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_the_hull_kernel_equals_its_opencv_twin(seed: int) -> None:
+    noise = np.random.default_rng(seed).random((40, 60))
+    mask = (cv2.GaussianBlur(noise, (0, 0), 3.0) > 0.51).astype(np.uint8)
+    rows, columns = np.nonzero(mask)
+    hull = cv2.convexHull(np.stack([columns, rows], 1).astype(np.int32)).astype(np.float32)
+    upper, lower = hull_edges(mask)
+    assert (upper[:, 1] <= lower[:, 1] + 1e-9).all()
+    for x, y in np.concatenate([upper, lower]).tolist():
+        assert abs(cv2.pointPolygonTest(hull, (x, y), True)) < 1e-3
 
 
 def test_a_covered_mouth_is_marked_and_keeps_its_place() -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import cache
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
@@ -35,9 +36,33 @@ def _even(samples: int) -> Array:
 def fit(places: Array) -> Array:
     """(4, 2) control points of the curve of least squares through ``places`` (N, 2), parameters
     by chord length. It begins at the first place and ends at the last."""
-    length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(places, axis=0), axis=1))])
-    weights = bernstein(length / length[-1])
-    ends = places[[0, -1]]
-    rest = places - weights[:, [0, 3]] @ ends
-    middle = np.linalg.lstsq(weights[:, 1:3], rest, rcond=None)[0]
-    return np.concatenate([ends[:1], middle, ends[1:]])
+    return np.asarray(_fit(np.ascontiguousarray(places, dtype=float)))
+
+
+@njit(cache=True, nogil=True)
+def _fit(places: Array) -> Array:
+    count = len(places)
+    at = np.zeros(count)
+    for n in range(1, count):
+        x, y = places[n, 0] - places[n - 1, 0], places[n, 1] - places[n - 1, 1]
+        at[n] = at[n - 1] + np.sqrt(x * x + y * y)
+    whole = max(at[-1], 1e-12)
+    near_near = near_far = far_far = 0.0
+    right = np.zeros((2, 2))
+    for n in range(count):
+        s = at[n] / whole
+        r = 1.0 - s
+        near, far = 3.0 * r * r * s, 3.0 * r * s * s
+        near_near += near * near
+        near_far += near * far
+        far_far += far * far
+        for axis in range(2):
+            rest = places[n, axis] - r * r * r * places[0, axis] - s * s * s * places[-1, axis]
+            right[0, axis] += near * rest
+            right[1, axis] += far * rest
+    inverse = 1.0 / max(near_near * far_far - near_far * near_far, 1e-12)
+    control = np.empty((4, 2))
+    control[0], control[3] = places[0], places[-1]
+    control[1] = inverse * (far_far * right[0] - near_far * right[1])
+    control[2] = inverse * (near_near * right[1] - near_far * right[0])
+    return control

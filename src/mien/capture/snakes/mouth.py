@@ -6,19 +6,22 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
+from mien.capture.snakes.colour.pigments import Pigments
 from mien.capture.snakes.colour.skin import USUAL_SKIN
-from mien.capture.snakes.colour.transform import MAGENTA_SKIN, Field
+from mien.capture.snakes.colour.transform import MAGENTA_SKIN, Box, Field
+from mien.capture.snakes.curves import lens as lenses
 from mien.capture.snakes.curves.lens import (
     LOWER,
     UPPER,
     fit_lens,
-    height,
     lower_curve,
-    outline,
+    tallness,
     upper_curve,
 )
+from mien.capture.snakes.head.patch import HEIGHT, ORIGIN, WIDTH
 from mien.numeric import bezier
 
 Array = NDArray[np.float64]
@@ -50,6 +53,10 @@ _TONGUE = (0.04, 0.12)
 """Shares of the mouth that tongue takes where it is in and where it is plainly out."""
 _MARGIN = np.ones((3, 3), np.uint8)
 _SPECK = np.ones((2, 2), np.uint8)
+_GROWN = np.ones((3, 3), np.uint8)
+"""How far the open mouth may have grown since the last frame, in pixels of the small patch."""
+_END = np.array([WIDTH, HEIGHT])
+_LAST = _END - 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,107 +79,173 @@ class Opening:
     """How far the tongue is out, 0..1."""
 
 
-def lip_colour(lens: Array, value: Field, magenta: Field, corner: Array) -> LipColour:
-    """Medians on a ring inside the outline; ``value`` and ``magenta`` are the lips' rectangle."""
-    inset = _RING * height(lens) * np.array([0.0, 1.0])
+def lip_colour(outline: Array, seen: Pigments) -> LipColour:
+    """Medians on a ring inside the lips' outline (6, 2)."""
+    inset = _RING * tallness(outline) * np.array([0.0, 1.0])
     ring = np.concatenate(
-        [upper_curve(lens, 15)[3:-3] + inset, lower_curve(lens, 15)[3:-3] - inset]
+        [upper_curve(outline, 15)[3:-3] + inset, lower_curve(outline, 15)[3:-3] - inset]
     )
-    column, row = np.round(ring - corner).astype(int).T
-    row, column = np.clip(row, 0, value.shape[0] - 1), np.clip(column, 0, value.shape[1] - 1)
-    bright, pink = np.median(value[row, column]), np.median(magenta[row, column])
-    return LipColour(float(max(bright, 1.0)), float(max(pink, 0.5 * MAGENTA_SKIN)))
+    place = seen.nearest(ring)
+    bright, pink = _median(seen.value[place]), _median(seen.magenta[place])
+    return LipColour(max(bright, 1.0), max(pink, 0.5 * MAGENTA_SKIN))
 
 
-def inside_masks(value: Field, magenta: Field, lips: LipColour) -> tuple[Mask, Mask]:
-    """Dark pixels and teeth in the lips' rectangle, 0 or 1."""
-    dark = value < lips.value * np.exp(-_DARK)
-    teeth = (magenta < _PALE * MAGENTA_SKIN) & (value > _BRIGHT * lips.value)
-    return dark.astype(np.uint8), teeth.astype(np.uint8)
+def with_inside(field: Field, outline: Array, seen: Pigments, lips: LipColour) -> Field:
+    """``field`` of the lips, of the same pixels as ``seen``, with the open mouth inside their last
+    ``outline`` (6, 2) filled: a wide mouth has a thin ring for lips. A moustache is as dark as a
+    mouth, so under one it must not spread."""
+    dark, teeth = inside_masks(seen, lips)
+    near = filled(outline, seen)
+    if not moustache(outline, seen):
+        near = np.asarray(cv2.dilate(near, _GROWN), dtype=np.uint8)
+    return np.maximum(field, ((dark | teeth) & near).astype(np.float32))
 
 
-def tongue_out(
-    lips: Array, mouth: LipColour, value: Field, magenta: Field, blue: Field, corner: Array
-) -> float:
-    """How far the tongue is out, 0..1: pale and pink, under dark and above no teeth, and not where
-    the lower lip is; ``blue`` is B / G."""
-    dark, teeth = inside_masks(value, magenta, mouth)
-    within = np.asarray(cv2.erode(filled(lips, corner, value.shape), _MARGIN), np.uint8)
-    if not (dark & within).any():
-        return 0.0
-    above_lip = np.zeros_like(within)
-    rise = min(max(round(_LIP * float(height(lips))), 0), len(within))
-    above_lip[: len(within) - rise] = within[rise:]
-    reddest = float(np.quantile(magenta[within > 0], 0.75))
-    pink = (magenta > _LEAST_PINK * MAGENTA_SKIN) & (magenta < _PINKEST * reddest)
-    pink &= (value > _LIT * mouth.value) & (blue > _BLUE)
-    pale = cv2.morphologyEx(pink & within & above_lip, cv2.MORPH_OPEN, _MARGIN)
-    black = cv2.morphologyEx(dark & within, cv2.MORPH_OPEN, _SPECK)
-    under = np.maximum.accumulate(black, axis=0)
-    over_teeth = np.maximum.accumulate((teeth & within)[::-1], axis=0)[::-1]
-    share = float((pale & under & (1 - over_teeth)).sum()) / float(within.sum())
-    return float(np.clip((share - _TONGUE[0]) / (_TONGUE[1] - _TONGUE[0]), 0.0, 1.0))
+def around(outline: Array) -> Box:
+    """Columns and rows of the patch that hold a lens (6, 2)."""
+    left, top = np.clip(np.floor(outline.min(axis=0) + ORIGIN).astype(int) - 2, 0, _LAST)
+    right, bottom = np.clip(np.ceil(outline.max(axis=0) + ORIGIN).astype(int) + 3, 1, _END)
+    return int(left), int(top), max(int(right), int(left) + 1), max(int(bottom), int(top) + 1)
 
 
-def moustache(lips: Array, value: Field, corner: Array) -> bool:
+def inside_masks(seen: Pigments, lips: LipColour) -> tuple[Mask, Mask]:
+    """Dark pixels and teeth, 0 or 1."""
+    dark = seen.value < lips.value * np.exp(-_DARK)
+    teeth = (seen.magenta < _PALE * MAGENTA_SKIN) & (seen.value > _BRIGHT * lips.value)
+    return dark.view(np.uint8), teeth.view(np.uint8)
+
+
+def moustache(outline: Array, seen: Pigments) -> bool:
     """Whether what is above the lips (6, 2) is darker than skin: dark is no sign then."""
-    strip = upper_curve(lips, 15)[3:-3] - np.array([0.0, _STRIP])
-    column, row = np.round(strip - corner).astype(int).T
-    row, column = np.clip(row, 0, value.shape[0] - 1), np.clip(column, 0, value.shape[1] - 1)
-    return bool(np.median(value[row, column]) < USUAL_SKIN.max() * np.exp(-_HAIRY))
+    strip = upper_curve(outline, 15)[3:-3] - np.array([0.0, _STRIP])
+    return bool(_median(seen.value[seen.nearest(strip)]) < USUAL_SKIN.max() * np.exp(-_HAIRY))
 
 
-def filled(lens: Array, corner: Array, shape: tuple[int, int]) -> Mask:
-    """The lens as a mask of its rectangle."""
-    mask = np.zeros(shape, np.uint8)
-    cv2.fillPoly(mask, [np.round(outline(lens) - corner).astype(np.int32)], 1)
+def filled(outline: Array, seen: Pigments) -> Mask:
+    """A lens (6, 2) as a mask."""
+    mask = np.zeros(seen.value.shape, np.uint8)
+    cv2.fillPoly(mask, [np.rint(seen.pixels(lenses.outline(outline))).astype(np.int32)], 1)
     return mask
 
 
-def find_opening(
-    lips: Array, value: Field, dark: Mask, teeth: Mask, tongue: float, corner: Array
-) -> Opening:
-    """The inner lips inside the outer ones ``lips`` (6, 2)."""
-    within: Mask = np.asarray(cv2.erode(filled(lips, corner, value.shape), _MARGIN), np.uint8)
-    seen = cv2.morphologyEx((dark | teeth) & within, cv2.MORPH_OPEN, _MARGIN)
+def tongue_out(outline: Array, seen: Pigments, lips: LipColour) -> float:
+    """How far the tongue is out, 0..1: pale and pink, under dark and above no teeth, and not where
+    the lower lip is."""
+    dark, teeth = inside_masks(seen, lips)
+    within = _within(outline, seen)
+    black = _opened(dark & within, _SPECK)
+    if not black.any():
+        return 0.0
+    above_lip = np.zeros_like(within)
+    rise = min(max(round(_LIP * tallness(outline)), 0), len(within))
+    above_lip[: len(within) - rise] = within[rise:]
+    inner = seen.magenta[within > 0]
+    most = (3 * len(inner)) // 4
+    reddest = float(np.partition(inner, most)[most])
+    pink = (seen.magenta > _LEAST_PINK * MAGENTA_SKIN) & (seen.magenta < _PINKEST * reddest)
+    pink &= (seen.value > _LIT * lips.value) & (seen.blue > _BLUE)
+    pale = _opened(pink & within & above_lip, _MARGIN)
+    share = _between(pale, black, teeth & within) / len(inner)
+    return min(max((share - _TONGUE[0]) / (_TONGUE[1] - _TONGUE[0]), 0.0), 1.0)
+
+
+def find_opening(outline: Array, seen: Pigments, lips: LipColour) -> Opening:
+    """What shows inside the lips' ``outline`` (6, 2); ``seen`` at one patch unit a pixel."""
+    dark, teeth = inside_masks(seen, lips)
+    within = _within(outline, seen)
     share = float((teeth & within).sum()) / max(float(within.sum()), 1.0)
-    rows, columns = np.nonzero(seen)
-    if len(rows) >= _FEWEST:
-        hull = cv2.convexHull(np.stack([columns, rows], 1).astype(np.int32))[:, 0].astype(float)
-        lens = _hull_lens(hull) + corner
-        wide = float(np.ptp(hull[:, 0])) > _WIDE * float(lips[1, 0] - lips[0, 0])
-        if wide and height(lens) >= _SLIT:
+    tongue = tongue_out(outline, seen, lips)
+    shown = _opened((dark | teeth) & within, _MARGIN)
+    if cv2.countNonZero(shown) >= _FEWEST:
+        upper, lower = hull_edges(shown)
+        lens = fit_lens(upper, lower) + seen.corner
+        wide = upper[-1, 0] - upper[0, 0] > _WIDE * (outline[1, 0] - outline[0, 0])
+        if wide and tallness(lens) >= _SLIT:
             return Opening(lens, share, tongue)
-    return Opening(_slit(lips, value, corner), share, tongue)
+    return Opening(_slit(outline, seen), share, tongue)
 
 
-def _hull_lens(hull: Array) -> Array:
-    """(6, 2) the lens on a convex polygon (N, 2)."""
-    first, last = int(hull[:, 0].argmin()), int(hull[:, 0].argmax())
-    one = np.roll(hull, -first, axis=0)[: (last - first) % len(hull) + 1]
-    two = np.roll(hull, -last, axis=0)[: (first - last) % len(hull) + 1][::-1]
-    upper, lower = (one, two) if one[:, 1].mean() < two[:, 1].mean() else (two, one)
-    return fit_lens(_dense(upper), _dense(lower))
+def _opened(mask: Mask, by: Mask) -> Mask:
+    """``mask`` without what is smaller than ``by``."""
+    return np.asarray(cv2.morphologyEx(mask, cv2.MORPH_OPEN, by), dtype=np.uint8)
 
 
-def _dense(edge: Array) -> Array:
-    """(17, 2) places evenly along x on a polyline."""
-    x = np.linspace(edge[0, 0], edge[-1, 0], 17)
-    return np.stack([x, np.interp(x, edge[:, 0], edge[:, 1])], axis=1)
+def _within(outline: Array, seen: Pigments) -> Mask:
+    return np.asarray(cv2.erode(filled(outline, seen), _MARGIN), dtype=np.uint8)
 
 
-def _slit(lips: Array, value: Field, corner: Array) -> Array:
+@njit(cache=True, nogil=True)
+def _between(pale: Mask, black: Mask, teeth: Mask) -> int:
+    """How many pale pixels have black above them and no teeth below."""
+    rows, columns = pale.shape
+    count = 0
+    for x in range(columns):
+        y = rows - 1
+        run = 0
+        while y >= 0 and teeth[y, x] == 0:
+            run += pale[y, x]
+            if black[y, x]:
+                count += run
+                run = 0
+            y -= 1
+        while y >= 0 and run > 0:
+            if black[y, x]:
+                count += run
+                run = 0
+            y -= 1
+    return count
+
+
+@njit(cache=True, nogil=True)
+def hull_edges(mask: Mask) -> tuple[Array, Array]:
+    """(17, 2) each: the upper and the lower edge of the convex hull of a mask's pixels, columns
+    and rows, evenly along the columns (Andrew 1979)."""
+    rows, columns = mask.shape
+    edges = np.empty((2, 17, 2))
+    for side in range(2):
+        chain_x, chain_y, size = np.empty(columns), np.empty(columns), 0
+        sign = 1.0 if side == 0 else -1.0
+        for x in range(columns):
+            y = 0
+            while y < rows and mask[y if side == 0 else rows - 1 - y, x] == 0:
+                y += 1
+            if y == rows:
+                continue
+            edge = float(y if side == 0 else rows - 1 - y)
+            while (
+                size > 1
+                and sign
+                * (
+                    (chain_x[size - 1] - chain_x[size - 2]) * (edge - chain_y[size - 2])
+                    - (chain_y[size - 1] - chain_y[size - 2]) * (x - chain_x[size - 2])
+                )
+                <= 0.0
+            ):
+                size -= 1
+            chain_x[size], chain_y[size] = x, edge
+            size += 1
+        at = np.linspace(chain_x[0], chain_x[size - 1], 17)
+        edges[side, :, 0] = at
+        edges[side, :, 1] = np.interp(at, chain_x[:size], chain_y[:size])
+    return edges[0], edges[1]
+
+
+def _slit(outline: Array, seen: Pigments) -> Array:
     """(6, 2) one curve along the darkest places between shut lips."""
-    upper, lower = upper_curve(lips, 25)[2:-2], lower_curve(lips, 25)[2:-2]
+    upper, lower = upper_curve(outline, 25)[2:-2], lower_curve(outline, 25)[2:-2]
     share = np.linspace(0.25, 0.75, 21)[:, None, None]
-    places = upper + share * (lower - upper) - corner
-    column, row = np.round(places).astype(int).transpose(2, 0, 1)
-    row, column = np.clip(row, 0, value.shape[0] - 1), np.clip(column, 0, value.shape[1] - 1)
-    seen = value[row, column]
+    places = upper + share * (lower - upper)
+    dark = seen.value[seen.nearest(places)]
     away = ((share[..., 0] - 0.5) / 0.25) ** 2
-    best = (seen + 0.1 * seen.mean() * away).argmin(axis=0)
-    darkest = places[best, np.arange(places.shape[1])] + corner
-    control = bezier.fit(np.concatenate([lips[:1], darkest, lips[1:2]]))
+    best = (dark + 0.1 * dark.mean() * away).argmin(axis=0)
+    darkest = places[best, np.arange(places.shape[1])]
+    control = bezier.fit(np.concatenate([outline[:1], darkest, outline[1:2]]))
     lens = np.empty((6, 2))
     lens[UPPER], lens[LOWER] = control, control
     return lens
+
+
+def _median(values: Field) -> float:
+    """The upper one of two."""
+    middle = len(values) // 2
+    return float(np.partition(values, middle)[middle])

@@ -9,8 +9,9 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from mien.capture.snakes.colour.pigments import pigments
 from mien.capture.snakes.colour.skin import skin_colour
-from mien.capture.snakes.colour.transform import Field, Weights, magenta, window
+from mien.capture.snakes.colour.transform import Weights, window
 from mien.capture.snakes.curves.features import FEATURES, MOUTH, ROW, usual_features
 from mien.capture.snakes.curves.fields import (
     Look,
@@ -23,19 +24,17 @@ from mien.capture.snakes.curves.fields import (
 )
 from mien.capture.snakes.curves.settle import Expected, settle
 from mien.capture.snakes.head.box import find_face
-from mien.capture.snakes.head.flow import choose, follow
-from mien.capture.snakes.head.patch import EYES, Picture, Placement
+from mien.capture.snakes.head.flow import NOSE, choose, follow
+from mien.capture.snakes.head.patch import COARSE, EYES, Picture, Placement
 from mien.capture.snakes.head.pose import RESTING, Pose, fit_pose
 from mien.capture.snakes.head.relief import lifted
 from mien.capture.snakes.mouth import (
     LipColour,
     Opening,
-    filled,
+    around,
     find_opening,
-    inside_masks,
     lip_colour,
-    moustache,
-    tongue_out,
+    with_inside,
 )
 
 Array = NDArray[np.float64]
@@ -47,7 +46,6 @@ _FIRST_ROUNDS = 4
 """How often the first patch is moved until the eyes lie where eyes are."""
 _CORNER_WEIGHT = 6
 """Points of the nose that an eye corner counts for: far apart, they tell how the head leans."""
-_GROWN = np.ones((7, 7), np.uint8)
 _FEWEST = 3
 """Features that must be found for a face to be there."""
 _PATIENCE = 5
@@ -153,7 +151,7 @@ class SnakeCapture:
         if self._last is None or self.appearance is None:
             return None
         last, known = self._last, self.appearance
-        grey = _grey(last.placement.warp(image))
+        grey = _grey(last.placement.warp(image, NOSE))
         moved = follow(known.anchor, known.points, last.rigid, grey)
         if moved is None:
             moved = follow(last.grey, last.rigid, last.rigid, grey)
@@ -192,7 +190,7 @@ class SnakeCapture:
         if self.appearance is None:
             return _Start(placement, RESTING, lenses, np.zeros((0, 2)))
         points = self.appearance.points
-        grey = _grey(placement.warp(image))
+        grey = _grey(placement.warp(image, NOSE))
         moved = follow(self.appearance.anchor, points, points, grey)
         return self._turned(placement, points if moved is None else moved.points, lenses, RESTING)
 
@@ -206,24 +204,27 @@ class SnakeCapture:
         weights = self._weigh(look, start.lenses)
         rest, lenses = start.pose(self._rest), start.lenses.copy()
         lost, contrast = np.zeros(MOUTH, dtype=bool), np.zeros(MOUTH)
-        inside = _Inside(look, start.lenses[_LIPS], self._last)
+        mouth = pigments(look.small, look.gains, window(FEATURES[_LIPS].box, COARSE), COARSE)
+        lips = lip_colour(lenses[_LIPS], mouth) if self._last is None else self._last.lips
         for row, feature in enumerate(FEATURES):
             field, corner = field_of(look, feature, weights), corner_of(feature)
             if feature.group == "brow":
                 eye = lenses[ROW[feature.name.replace("brow", "eye")]]
                 field = brow_field(field, corner, rest[row], eye)
             if feature.group == "lip" and known:
-                field = inside.added(field)
+                field = with_inside(field, start.lenses[row], mouth, lips)
             gone = self._last is not None and bool(self._last.lost[row])
             expected = Expected(rest[row], start.lenses[row], known, gone)
-            settled = settle(feature.group, field, corner, expected)
+            settled = settle(feature.group, field, corner, expected, feature.pitch)
             lost[row], contrast[row] = settled.lost, settled.contrast
             if not settled.lost or strange:
                 lenses[row] = settled.lens
         if lost[_LIPS] and not strange:
-            opening, lips = Opening(lenses[MOUTH], 0.0, 0.0), inside.lips
+            opening = Opening(lenses[MOUTH], 0.0, 0.0)
         else:
-            opening, lips = inside.opening(lenses[_LIPS])
+            close = pigments(patch, look.gains, around(lenses[_LIPS]), 1)
+            lips = lip_colour(lenses[_LIPS], close)
+            opening = find_opening(lenses[_LIPS], close, lips)
         lenses[MOUTH] = opening.lens
         return Seen(
             start.placement,
@@ -238,43 +239,6 @@ class SnakeCapture:
             _grey(patch),
             lips,
         )
-
-
-class _Inside:
-    """The lips' rectangle of a look, and what of it is not lip."""
-
-    def __init__(self, look: Look, expected: Array, last: Seen | None) -> None:
-        """``expected`` (6, 2) the lips' outline."""
-        feature = FEATURES[_LIPS]
-        left, top, right, bottom = window(feature.box)
-        self._corner = corner_of(feature)
-        self._value = look.value[top:bottom, left:right]
-        self._magenta = magenta(look.patch, look.gains, feature.box)
-        self._colours, self._gains = look.patch[top:bottom, left:right], look.gains
-        self._expected = expected
-        self.lips = self._colour(expected) if last is None else last.lips
-
-    def _colour(self, outline: Array) -> LipColour:
-        return lip_colour(outline, self._value, self._magenta, self._corner)
-
-    def added(self, field: Field) -> Field:
-        """``field`` of the lips with the open mouth inside them filled: a wide mouth has a thin
-        ring for lips. A moustache is as dark as a mouth, so under one it must not spread."""
-        hairy = moustache(self._expected, self._value, self._corner)
-        dark, teeth = inside_masks(self._value, self._magenta, self.lips)
-        near = filled(self._expected, self._corner, field.shape)
-        if not hairy:
-            near = np.asarray(cv2.dilate(near, _GROWN), dtype=np.uint8)
-        return np.maximum(field, ((dark | teeth) & near).astype(np.float32))
-
-    def opening(self, outline: Array) -> tuple[Opening, LipColour]:
-        """The opening inside the outline that was found, and the lips' colour there."""
-        lips = self._colour(outline)
-        dark, teeth = inside_masks(self._value, self._magenta, lips)
-        green = np.maximum(self._colours[..., 1] * self._gains[1], 0.25)
-        blue = self._colours[..., 2] * self._gains[2] / green
-        tongue = tongue_out(outline, lips, self._value, self._magenta, blue, self._corner)
-        return find_opening(outline, self._value, dark, teeth, tongue, self._corner), lips
 
 
 def _grey(patch: Picture) -> Picture:

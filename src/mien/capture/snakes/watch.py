@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -50,6 +51,7 @@ def _transformed(seen: Seen) -> NDArray[np.uint8]:
     picture = np.repeat(seen.grey[..., None] // 4, 3, axis=2)
     for feature in FEATURES:
         left, top, right, bottom = window(feature.box)
-        field = field_of(seen.look, feature, seen.weights)
-        picture[top:bottom, left:right] = (field * 255.0).astype(np.uint8)[..., None]
+        field = (field_of(seen.look, feature, seen.weights) * 255.0).astype(np.uint8)
+        whole = cv2.resize(field, (right - left, bottom - top))
+        picture[top:bottom, left:right] = whole[..., None]
     return picture

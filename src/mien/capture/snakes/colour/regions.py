@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mien.capture.snakes.colour.transform import Box, Field, window
+from mien.capture.snakes.head.patch import COARSE
 
 Array = NDArray[np.float64]
 
@@ -31,10 +32,10 @@ def subareas() -> dict[str, tuple[Box, ...]]:
 
 
 def means(brightness: Field) -> Array:
-    """(11,) mean brightness of each subarea of a patch (H, W), 0..255 and above."""
+    """(11,) mean brightness of each subarea of a small patch (H / 2, W / 2), 0..255 and above."""
     values = []
     for boxes in subareas().values():
-        windows = [window(box) for box in boxes]
+        windows = [window(box, COARSE) for box in boxes]
         cut = [brightness[top:bottom, left:right] for left, top, right, bottom in windows]
         values.append(sum(float(part.sum()) for part in cut) / sum(part.size for part in cut))
     return np.array(values)

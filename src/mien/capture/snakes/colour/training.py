@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from mien.capture.snakes.colour.network import Lesson, Network, train, untrained
 from mien.capture.snakes.colour.regions import means
-from mien.capture.snakes.colour.transform import USUAL_WEIGHTS, Box, Weights, channels, window
-from mien.capture.snakes.curves.features import FEATURES, ROW
+from mien.capture.snakes.colour.transform import USUAL_WEIGHTS, Weights, channels, window
+from mien.capture.snakes.curves.features import FEATURES, ROW, Feature
 from mien.capture.snakes.curves.fields import Look, corner_of, look_at
 from mien.capture.snakes.curves.lens import outline
 from mien.capture.snakes.head.patch import Picture
@@ -22,8 +22,9 @@ Mask = NDArray[np.bool_]
 GROUPS = {"brow": ("brow_right", "brow_left"), "eye": ("eye_right", "eye_left"), "lip": ("lips",)}
 _LIGHTS = ((1.0, 1.0, 1.0), (0.6, 0.6, 0.6), (1.3, 1.3, 1.3), (1.2, 1.0, 0.8), (0.85, 1.0, 1.2))
 """Gains of the channels under which every frame is shown: the network must know other lights."""
-_BLURRED_EDGE = np.ones((5, 5), np.uint8)
-_EVERY = 7
+_BLURRED_EDGE = 4
+"""Patch units of a feature's rim that are neither feature nor skin."""
+_EVERY = 3
 """Of so many pixels one is learnt from: neighbours say the same."""
 _TOO_WHITE = 0.5
 _RIDGE = 0.05
@@ -89,13 +90,14 @@ def _examples(look: Look, lenses: Array, group: str) -> tuple[Array, Mask]:
 
 def _example(look: Look, lenses: Array, name: str) -> tuple[Array, Mask]:
     feature = FEATURES[ROW[name]]
-    size = _size(feature.box)
+    size = _size(feature)
     corner = corner_of(feature)
-    masks = [_mask(lens, corner, size) for lens in lenses]
+    masks = [_mask((lens - corner) / feature.pitch, size) for lens in lenses]
     wanted = masks[ROW[name]].astype(bool)
-    edge = cv2.dilate(masks[ROW[name]], _BLURRED_EDGE).astype(bool) & ~wanted
+    grown = np.ones((_BLURRED_EDGE // feature.pitch + 1,) * 2, np.uint8)
+    edge = cv2.dilate(masks[ROW[name]], grown).astype(bool) & ~wanted
     others = np.any([m for row, m in enumerate(masks) if row != ROW[name]], axis=0)
-    pixels = channels(look.patch, look.gains, look.value, look.mean, feature.box)
+    pixels = channels(look.at(feature.pitch), look.gains, look.mean, feature.box, feature.pitch)
     counts = ~edge & ~others
     if feature.group == "eye":
         # The white of the eye has a transformation of its own.
@@ -103,12 +105,13 @@ def _example(look: Look, lenses: Array, name: str) -> tuple[Array, Mask]:
     return pixels[counts], wanted[counts]
 
 
-def _size(box: Box) -> tuple[int, int]:
-    left, top, right, bottom = window(box)
+def _size(feature: Feature) -> tuple[int, int]:
+    left, top, right, bottom = window(feature.box, feature.pitch)
     return bottom - top, right - left
 
 
-def _mask(lens: Array, corner: Array, size: tuple[int, int]) -> NDArray[np.uint8]:
+def _mask(lens: Array, size: tuple[int, int]) -> NDArray[np.uint8]:
+    """A lens in pixels as a mask."""
     mask = np.zeros(size, np.uint8)
-    cv2.fillPoly(mask, [np.round(outline(lens) - corner).astype(np.int32)], 1)
+    cv2.fillPoly(mask, [np.round(outline(lens)).astype(np.int32)], 1)
     return mask

@@ -4,7 +4,7 @@
 
     symbol  here
     M       magenta against the skin's: ((V - g) / V - M_skin) / 0.15, within +-2
-    K       black against the neighbourhood: ln(mean V of 41 x 41 / V), within -0.6 .. 1.5
+    K       black against the neighbourhood: ln(mean V of 42 x 42 / V), within -0.6 .. 1.5
     V       brightness against the skin: ln(V / V_skin), within -1.5 .. 0.6
     G(H)    1 where the hue lies on the lips' side of the skin's, 0 on the other
     C       contrast: a sigmoid about 1/2
@@ -17,6 +17,7 @@ under the curve 0.88-0.99 for eyes against 0.70-0.98, and no weights serve lips 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -26,7 +27,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from mien.capture.snakes.colour.skin import USUAL_SKIN
-from mien.capture.snakes.head.patch import HEIGHT, ORIGIN, WIDTH, Picture
+from mien.capture.snakes.head.patch import COARSE, HEIGHT, ORIGIN, WIDTH, Picture
 
 Array = NDArray[np.float64]
 Field = NDArray[np.float32]
@@ -36,7 +37,8 @@ _LEVELS = 1024
 """Steps of the tables for logarithm, hue and contrast."""
 _BRIGHTEST = 512.0
 """Scaled brightness is cut here."""
-_NEIGHBOURHOOD = 41
+_NEIGHBOURHOOD = 21
+"""Pixels of the small patch."""
 _HUE_OFFSET = 5.0
 """Degrees below the skin's hue where G is one half."""
 _HUE_WIDTH = 2.5
@@ -88,47 +90,44 @@ _CONTRASTS = contrast(np.linspace(-1.0, 2.0, _LEVELS + 1)).astype(np.float32)
 
 
 def brightness(patch: Picture, gains: Array) -> Field:
-    """(H, W) V = max(R, G, B) of the patch after scaling."""
+    """(H, W) V = max(R, G, B) of a patch after scaling."""
     return np.asarray(_brightness(patch, gains.astype(np.float32)))
 
 
 def neighbourhood(value: Field) -> Field:
-    """(H, W) mean brightness round each pixel."""
+    """(H, W) mean brightness round each pixel of the small patch."""
     return np.asarray(cv2.blur(value, (_NEIGHBOURHOOD, _NEIGHBOURHOOD)))
 
 
-def magenta(patch: Picture, gains: Array, box: Box) -> Field:
-    """(V - g) / V of the rectangle ``box``, 0..1."""
-    left, top, right, bottom = window(box)
-    return np.asarray(_magenta(patch[top:bottom, left:right], gains.astype(np.float32)))
-
-
 def transform(
-    patch: Picture, gains: Array, value: Field, mean: Field, weights: Weights, box: Box
+    patch: Picture, gains: Array, mean: Field, weights: Sequence[Weights], box: Box, pitch: int
 ) -> Field:
-    """I in [0, 1] of the rectangle ``box`` (patch units) of a patch, float32."""
-    left, top, right, bottom = window(box)
-    numbers = (weights.magenta, weights.black, weights.brightness, weights.hue, weights.constant)
+    """I in [0, 1] of the rectangle ``box`` (patch units) of a patch whose pixels are ``pitch``
+    units apart: the greatest that any of ``weights`` gives. ``mean`` is the neighbourhood's
+    brightness on the small patch."""
+    rows = [(w.magenta, w.black, w.brightness, w.hue, w.constant) for w in weights]
     return np.asarray(
         _transform(
-            patch[top:bottom, left:right],
+            patch,
             gains.astype(np.float32),
-            value[top:bottom, left:right],
-            mean[top:bottom, left:right],
-            np.array(numbers, dtype=np.float32),
+            mean,
+            np.array(rows, dtype=np.float32),
+            window(box, pitch),
+            COARSE // pitch,
         )
     )
 
 
-def channels(patch: Picture, gains: Array, value: Field, mean: Field, box: Box) -> Array:
+def channels(patch: Picture, gains: Array, mean: Field, box: Box, pitch: int) -> Array:
     """(H, W, 4) M, K, V and G(H) of the rectangle ``box``, in plain NumPy: for training, and to
     hold the kernel to."""
-    left, top, right, bottom = window(box)
-    inside = np.s_[top:bottom, left:right]
-    scaled = patch[inside] * gains
+    left, top, right, bottom = window(box, pitch)
+    step = COARSE // pitch
+    scaled = patch[top:bottom, left:right] * gains
     bright = np.maximum(scaled.max(axis=2), 0.25)
     pink = ((bright - scaled[..., 1]) / bright - MAGENTA_SKIN) / 0.15
-    shown, around = np.log(_level(value[inside])), np.log(_level(mean[inside]))
+    near = mean[np.arange(top, bottom)[:, None] // step, np.arange(left, right) // step]
+    shown, around = np.log(_level(bright)), np.log(_level(near))
     return np.stack(
         [
             np.clip(pink, -2.0, 2.0),
@@ -158,11 +157,17 @@ def _hue(colour: Array) -> Array:
     )
 
 
-def window(box: Box) -> Box:
-    """Rows and columns of the patch that a rectangle in patch units covers."""
+def window(box: Box, pitch: int = 1) -> Box:
+    """Columns and rows that a rectangle in patch units covers on a patch whose pixels are
+    ``pitch`` units apart."""
     x, y = ORIGIN.astype(int).tolist()
     left, top, right, bottom = box
-    return max(left + x, 0), max(top + y, 0), min(right + x, WIDTH), min(bottom + y, HEIGHT)
+    return (
+        max(left + x, 0) // pitch,
+        max(top + y, 0) // pitch,
+        min(right + x, WIDTH) // pitch,
+        min(bottom + y, HEIGHT) // pitch,
+    )
 
 
 @njit(cache=True, nogil=True, fastmath=True, inline="always")
@@ -183,42 +188,48 @@ def _brightness(patch: Picture, gains: Field) -> Field:
 
 
 @njit(cache=True, nogil=True, fastmath=True)
-def _magenta(patch: Picture, gains: Field) -> Field:
-    rows, columns, _ = patch.shape
-    result = np.empty((rows, columns), dtype=np.float32)
-    for y in range(rows):
-        for x in range(columns):
-            r, g, b = _pixel(patch, gains, y, x)
-            result[y, x] = np.float32(1.0) - g / max(r, g, b, np.float32(0.25))
-    return result
-
-
-@njit(cache=True, nogil=True, fastmath=True)
-def _transform(patch: Picture, gains: Field, value: Field, mean: Field, weights: Field) -> Field:
-    rows, columns, _ = patch.shape
-    result = np.empty((rows, columns), dtype=np.float32)
+def _transform(
+    patch: Picture, gains: Field, mean: Field, weights: Field, box: Box, step: int
+) -> Field:
+    left, top, right, bottom = box
+    result = np.empty((bottom - top, right - left), dtype=np.float32)
     level = np.float32(_LEVELS / _BRIGHTEST)
-    for y in range(rows):
-        for x in range(columns):
+    coloured = np.abs(weights[:, 0]).max() > 0.0 or np.abs(weights[:, 3]).max() > 0.0
+    magenta = hued = np.float32(0.0)
+    for y in range(top, bottom):
+        for x in range(left, right):
             r, g, b = _pixel(patch, gains, y, x)
             v = max(r, g, b, np.float32(0.25))
-            spread = v - min(r, g, b) + np.float32(1e-3)
-            if r >= v:
-                hue = np.float32(60.0) * (g - b) / spread
-            elif g >= v:
-                hue = np.float32(60.0) * (b - r) / spread + np.float32(120.0)
-            else:
-                hue = np.float32(60.0) * (r - g) / spread - np.float32(120.0)
-            magenta = ((v - g) / v - np.float32(MAGENTA_SKIN)) / np.float32(0.15)
-            bright = _LOG[int(value[y, x] * level)]
-            black = _LOG[int(mean[y, x] * level)] - bright
-            intensity = (
-                weights[0] * min(max(magenta, np.float32(-2.0)), np.float32(2.0))
-                + weights[1] * min(max(black, np.float32(-0.6)), np.float32(1.5))
-                + weights[2] * min(max(bright, np.float32(-1.5)), np.float32(0.6))
-                + weights[3] * _HUES[int((hue + np.float32(180.0)) * np.float32(_LEVELS / 360.0))]
-                + weights[4]
-            )
+            if coloured:
+                magenta = ((v - g) / v - np.float32(MAGENTA_SKIN)) / np.float32(0.15)
+                magenta = min(max(magenta, np.float32(-2.0)), np.float32(2.0))
+                hue = _hue_of(r, g, b, v)
+                hued = _HUES[int((hue + np.float32(180.0)) * np.float32(_LEVELS / 360.0))]
+            bright = _LOG[int(min(v, np.float32(_BRIGHTEST)) * level)]
+            black = _LOG[int(mean[y // step, x // step] * level)] - bright
+            black = min(max(black, np.float32(-0.6)), np.float32(1.5))
+            bright = min(max(bright, np.float32(-1.5)), np.float32(0.6))
+            intensity = np.float32(-1.0)
+            for i in range(len(weights)):
+                intensity = max(
+                    intensity,
+                    weights[i, 0] * magenta
+                    + weights[i, 1] * black
+                    + weights[i, 2] * bright
+                    + weights[i, 3] * hued
+                    + weights[i, 4],
+                )
             place = (intensity + np.float32(1.0)) * np.float32(_LEVELS / 3.0)
-            result[y, x] = _CONTRASTS[int(min(max(place, np.float32(0.0)), np.float32(_LEVELS)))]
+            result[y - top, x - left] = _CONTRASTS[int(min(place, np.float32(_LEVELS)))]
     return result
+
+
+@njit(cache=True, nogil=True, fastmath=True, inline="always")
+def _hue_of(r: float, g: float, b: float, most: float) -> Any:
+    """Degrees, -180..180."""
+    spread = most - min(r, g, b) + np.float32(1e-3)
+    if r >= most:
+        return np.float32(60.0) * (g - b) / spread
+    if g >= most:
+        return np.float32(60.0) * (b - r) / spread + np.float32(120.0)
+    return np.float32(60.0) * (r - g) / spread - np.float32(120.0)

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import cv2
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from mien.capture.snakes.curves.lens import boxed, upper_curve
+from mien.capture.snakes.head.patch import COARSE
 
 Array = NDArray[np.float64]
 Field = NDArray[np.float32]
 Mask = NDArray[np.uint8]
 
 _OPEN = np.ones((2, 2), np.uint8)
-_CLOSE = np.ones((5, 5), np.uint8)
 _LEAST, _MOST = 0.3, 0.7
 """What a rectangle's own threshold may be: I is made to be about 1 on features and 0 on skin."""
 _SEED = 0.15
@@ -21,7 +22,8 @@ _SEED = 0.15
 _NEAR = 25.0
 """Patch units from the expected place at which a blob counts six tenths."""
 _HAIR, _TALL = 0.5, 24
-"""What is brighter than the one in a brow's rectangle, and taller than the other, is hair."""
+"""What is brighter than the one in a brow's rectangle, and taller than the other (patch units), is
+hair."""
 _LID_MARGIN = 5.0
 """Patch units above an eye where a brow may begin."""
 _FEWEST = 20
@@ -39,36 +41,47 @@ def find_blob(field: Field, expected: Array, pitch: float = 1.0) -> Mask | None:
     """(H, W) 0 or 1: the blob of ``field`` that is largest and nearest to ``expected`` (2,),
     pixels of the field, which are ``pitch`` patch units apart; None where there is none."""
     level = threshold(field)
-    mask = (field > level).astype(np.uint8)
+    mask = (field > level).view(np.uint8)
     if pitch == 1.0:
-        mask = cv2.morphologyEx(mask, cv2.MORPH_OPEN, _OPEN)
-    joined = cv2.morphologyEx(mask, cv2.MORPH_CLOSE, _CLOSE if pitch == 1.0 else _CLOSE[1:4, 1:4])
-    count, label, facts, middle = cv2.connectedComponentsWithStats(joined, connectivity=4)
-    best, chosen = 0.0, 0
-    for blob in range(1, count):
-        area = float(facts[blob, cv2.CC_STAT_AREA])
-        away = float(((middle[blob] - expected) ** 2).sum())
-        worth = area * np.exp(-away * pitch**2 / (2.0 * _NEAR**2))
-        if area * pitch**2 >= _FEWEST and worth > best and field[label == blob].max() > level + _SEED:
-            best, chosen = worth, blob
-    return (label == chosen).astype(np.uint8) if chosen else None
+        mask = np.asarray(cv2.morphologyEx(mask, cv2.MORPH_OPEN, _OPEN), dtype=np.uint8)
+    side = 5 if pitch == 1.0 else 3
+    joined = cv2.morphologyEx(mask, cv2.MORPH_CLOSE, np.ones((side, side), np.uint8))
+    _, label, facts, middle = cv2.connectedComponentsWithStats(joined, connectivity=4)
+    area = pitch**2 * facts[:, cv2.CC_STAT_AREA]
+    away = pitch**2 * ((middle - expected) ** 2).sum(axis=1)
+    worth = area * np.exp(-away / (2.0 * _NEAR**2))
+    for blob in np.argsort(-worth[1:]) + 1:
+        chosen = label == blob
+        if area[blob] >= _FEWEST and (field > level + _SEED)[chosen].any():
+            return np.asarray(chosen.view(np.uint8))
+    return None
 
 
 def blob_lens(blob: Mask, corner: Array, pitch: float = 1.0) -> Array:
     """(6, 2) the first guess of the outline of a blob whose first pixel is at ``corner``."""
+    left, right, top, bottom = _extent(blob)
+    return boxed(pitch * left + corner, pitch * right + corner, pitch * top, pitch * bottom)
+
+
+@njit(cache=True, nogil=True)
+def _extent(blob: Mask) -> tuple[Array, Array, float, float]:
+    """The ends of a blob, and how far it reaches above and below their chord."""
     rows, columns = np.nonzero(blob)
     first, last = columns.min(), columns.max()
-    left = np.array([first, rows[columns <= first + 1].mean()])
-    right = np.array([last, rows[columns >= last - 1].mean()])
-    along = (right - left) / max(float(np.linalg.norm(right - left)), 1.0)
-    below = (rows - left[1]) * along[0] - (columns - left[0]) * along[1]
-    top, bottom = max(-float(below.min()), 0.5), max(float(below.max()), 0.5)
-    return boxed(pitch * left + corner, pitch * right + corner, pitch * top, pitch * bottom)
+    left = np.array([float(first), rows[columns <= first + 1].mean()])
+    right = np.array([float(last), rows[columns >= last - 1].mean()])
+    x, y = right - left
+    length = max(np.hypot(x, y), 1.0)
+    below = ((rows - left[1]) * x - (columns - left[0]) * y) / length
+    return left, right, max(-below.min(), 0.5), max(below.max(), 0.5)
 
 
 def without_hair(field: Field, expected: Array) -> Field:
     """``field`` of a brow with what hangs in from its rectangle's rim put out, unless that is the
     brow itself (hair over it): ``expected`` (2,) its middle, pixels of the field."""
+    rim = field[0].max(), field[:, 0].max(), field[:, -1].max()
+    if max(rim) <= _HAIR:
+        return field
     _, label, facts, _ = cv2.connectedComponentsWithStats(
         (field > _HAIR).astype(np.uint8), connectivity=4
     )
@@ -76,7 +89,7 @@ def without_hair(field: Field, expected: Array) -> Field:
     left, top, width, height, _ = facts.T
     hanging = (left == 0) | (left + width == columns) | (top == 0)
     over = (left < expected[0]) & (left + width > expected[0])
-    hanging &= ~over & (height > _TALL)
+    hanging &= ~over & (COARSE * height > _TALL)
     hanging[0] = False
     if not hanging.any():
         return field
@@ -85,7 +98,7 @@ def without_hair(field: Field, expected: Array) -> Field:
 
 def above(field: Field, lens: Array, corner: Array) -> Field:
     """``field`` of a brow with the eye ``lens`` (6, 2) and all below it put out."""
-    edge = upper_curve(lens) - corner - np.array([0.0, _LID_MARGIN])
+    edge = (upper_curve(lens) - corner - np.array([0.0, _LID_MARGIN])) / COARSE
     rows = field.shape[0]
     below = np.array([[edge[-1, 0], rows], [edge[0, 0], rows]])
     result = field.copy()

@@ -14,6 +14,8 @@ from importlib.resources import files
 import numpy as np
 from numpy.typing import NDArray
 
+from mien.capture.snakes.head.patch import COARSE
+
 Array = NDArray[np.float64]
 
 EYES_APART = 100.0
@@ -28,6 +30,12 @@ class Feature:
     """Key of the colour transformation it is sought in: "brow", "eye" or "lip"."""
     box: tuple[int, int, int, int]
     """Left, top, right, bottom of its anthropometric rectangle."""
+
+    @property
+    def pitch(self) -> int:
+        """Patch units from one pixel to the next where it is sought: only lids are fine enough to
+        need every pixel of the patch."""
+        return 1 if self.group == "eye" else COARSE
 
 
 FEATURES = (

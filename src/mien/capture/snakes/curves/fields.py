@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 from numpy.typing import NDArray
 
@@ -20,9 +21,11 @@ from mien.capture.snakes.colour.transform import (
 )
 from mien.capture.snakes.curves.blobs import above, without_hair
 from mien.capture.snakes.curves.features import Feature
-from mien.capture.snakes.head.patch import ORIGIN, Picture
+from mien.capture.snakes.head.patch import COARSE, HEIGHT, ORIGIN, WIDTH, Picture
 
 Array = NDArray[np.float64]
+
+_SMALL = (WIDTH // COARSE, HEIGHT // COARSE)
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,12 +33,18 @@ class Look:
     """A patch and what all its transformations share."""
 
     patch: Picture
+    small: Picture
+    """(H / 2, W / 2, 3) the patch at COARSE patch units a pixel."""
     gains: Array
     """(3,) factors that make its skin USUAL_SKIN."""
     value: Field
-    """(H, W) brightness after scaling."""
+    """(H / 2, W / 2) brightness of the small patch after scaling."""
     mean: Field
-    """(H, W) the neighbourhood's."""
+    """(H / 2, W / 2) the neighbourhood's."""
+
+    def at(self, pitch: int) -> Picture:
+        """The patch at ``pitch`` patch units a pixel."""
+        return self.patch if pitch == 1 else self.small
 
 
 Weigh = Callable[[Look, Array], Mapping[str, Weights]]
@@ -50,28 +59,29 @@ def usual_weights(look: Look, lenses: Array) -> Mapping[str, Weights]:
 def look_at(patch: Picture, skin: Array | None = None) -> Look:
     """``patch`` scaled by its own skin, or by a ``skin`` (3,) known from elsewhere."""
     factors = gains(skin_colour(patch) if skin is None else skin)
-    value = brightness(patch, factors)
-    return Look(patch, factors, value, neighbourhood(value))
+    small = np.asarray(cv2.resize(patch, _SMALL, interpolation=cv2.INTER_AREA), dtype=np.uint8)
+    value = brightness(small, factors)
+    return Look(patch, small, factors, value, neighbourhood(value))
 
 
 def corner_of(feature: Feature) -> Array:
-    """(2,) patch units of the first pixel of a feature's rectangle."""
-    left, top, _, _ = window(feature.box)
-    return np.asarray(np.array([left, top]) - ORIGIN, dtype=float)
+    """(2,) patch units of the first pixel's centre of the field it is sought in."""
+    left, top, _, _ = window(feature.box, feature.pitch)
+    first = feature.pitch * np.array([left, top]) + 0.5 * (feature.pitch - 1)
+    return np.asarray(first - ORIGIN, dtype=float)
 
 
 def field_of(look: Look, feature: Feature, weights: Mapping[str, Weights]) -> Field:
     """I of a feature's rectangle. An eye is what is dark or what is white."""
 
-    def seen(group: str) -> Field:
-        return transform(look.patch, look.gains, look.value, look.mean, weights[group], feature.box)
-
-    if feature.group == "eye":
-        return np.asarray(np.maximum(seen("eye"), seen("sclera")), dtype=np.float32)
-    return seen(feature.group)
+    groups = ("eye", "sclera") if feature.group == "eye" else (feature.group,)
+    rows = [weights[group] for group in groups]
+    picture = look.at(feature.pitch)
+    return transform(picture, look.gains, look.mean, rows, feature.box, feature.pitch)
 
 
 def brow_field(field: Field, corner: Array, rest: Array, eye: Array) -> Field:
     """``field`` of a brow without the eye (6, 2) below it and the hair round it; ``rest`` (6, 2)
     says where the brow is expected."""
-    return np.asarray(without_hair(above(field, eye, corner), rest.mean(axis=0) - corner))
+    middle = (rest.mean(axis=0) - corner) / COARSE
+    return np.asarray(without_hair(above(field, eye, corner), middle))

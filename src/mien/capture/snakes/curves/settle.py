@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 
 _BLURS = (3.0, 1.5, 0.8)
 """Patch units, coarse to fine."""
-_STEPS = (10, 10, 12)
+_STEPS = (8, 6, 8)
 _FIRST_STEP = (2.0, 1.0, 1.0)
 _REACH, _LEAST_REACH, _MOST_REACH = 0.2, 1.2, 6.0
 """Distance of the offset curves, in heights of the lens, and its bounds."""
@@ -81,7 +81,11 @@ def settle(
     starts = np.stack(_starts(group, field, corner, expected, pitch)).reshape(-1, 12)
     place, value, across, lost = _come_to_rest(
         starts,
-        tuple(_blurred(field, blur, pitch) for blur in _BLURS),
+        (
+            _blurred(field, _BLURS[0], pitch),
+            _blurred(field, _BLURS[1], pitch),
+            _blurred(field, _BLURS[2], pitch),
+        ),
         corner,
         packed(Terms(least_width=_NARROWEST[group], pitch=pitch)),
         *prior(group, expected.rest, expected.last, expected.known),
@@ -156,7 +160,7 @@ def _wild(lens: Array, rest: Array, limits: Array) -> bool:
     u, v = rest[1, 0] - rest[0, 0], rest[1, 1] - rest[0, 1]
     wide = np.hypot(x, y)
     along = (x * u + y * v) / max(wide * np.hypot(u, v), 1e-9)
-    return (
+    return bool(
         np.hypot(away_x, away_y) > limits[1]
         or tallness(lens) > limits[2]
         or wide > limits[3]

@@ -27,8 +27,12 @@ _ZONES = ((-32, -12, 32, 12), (-20, 12, 20, 40), (-32, 36, 32, 72))
 """Left, top, right, bottom of what is rigid: inner eyes, bridge, nose; patch units."""
 _QUALITY, _APART = 0.02, 5.0
 
+NOSE = (50, 24, 174, 180)
+"""Left, top, right, bottom of the pixels of a patch in which the points are sought."""
+_CORNER = ORIGIN - np.array(NOSE[:2])
 _WINDOW = (21, 21)
 _LEVELS = 3
+_UNTIL = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 10, 0.03)
 _TOLERANCE = 2.0
 """Patch units by which a point may miss the common movement and still agree."""
 _FEWEST = 0.35
@@ -58,21 +62,23 @@ def choose(anchor: Grey) -> Array:
 
 def follow(reference: Grey, there: Array, before: Array, now: Grey) -> Moved | None:
     """Find the points that are at ``there`` (G, 2) in the grey patch ``reference`` and were at
-    ``before`` (G, 2) in the last frame in the patch ``now``, taken with the last placement.
+    ``before`` (G, 2) in the last frame in ``now``, the part NOSE of the grey patch taken with the
+    last placement.
 
     None where too few agree on how the head moved.
     """
-    start = (before + ORIGIN).astype(np.float32)
+    left, top, right, bottom = NOSE
     moved, seen, _ = cv2.calcOpticalFlowPyrLK(
-        reference,
+        reference[top:bottom, left:right],
         now,
-        (there + ORIGIN).astype(np.float32),
-        start.copy(),
+        (there + _CORNER).astype(np.float32),
+        (before + _CORNER).astype(np.float32),
         winSize=_WINDOW,
         maxLevel=_LEVELS - 1,
+        criteria=_UNTIL,
         flags=cv2.OPTFLOW_USE_INITIAL_FLOW,
     )
-    points = np.asarray(moved, dtype=float) - ORIGIN
+    points = np.asarray(moved, dtype=float) - _CORNER
     kept = seen[:, 0] > 0
     if kept.sum() < _FEWEST * len(points):
         return None
@@ -86,6 +92,6 @@ def follow(reference: Grey, there: Array, before: Array, now: Grey) -> Moved | N
     if similarity is None or agreeing.sum() < _FEWEST * len(points):
         return None
     common = before @ similarity[:, :2].T + similarity[:, 2]
-    strays = np.linalg.norm(points - common, axis=1) > 2.0 * _TOLERANCE
-    points[strays | ~kept] = common[strays | ~kept]
+    strays = ~kept | (((points - common) ** 2).sum(axis=1) > (2.0 * _TOLERANCE) ** 2)
+    points[strays] = common[strays]
     return Moved(points, np.asarray(similarity))

@@ -20,6 +20,9 @@ Array = NDArray[np.float64]
 Picture = NDArray[np.uint8]
 
 WIDTH, HEIGHT = 224, 264
+WHOLE = (0, 0, WIDTH, HEIGHT)
+COARSE = 2
+"""Patch units from one pixel to the next of the small patch, on which most is looked for."""
 ORIGIN = np.array([112.0, 75.0])
 EYES = np.array([[-50.0, 0.0], [50.0, 0.0]])
 """Where the eyes lie, the right one first; patch units."""
@@ -68,15 +71,17 @@ class Placement:
         shift = similarity[:, :2] @ self.matrix[:, 2] + similarity[:, 2]
         return Placement(np.column_stack([turn, shift]))
 
-    def warp(self, image: Picture) -> Picture:
-        """(HEIGHT, WIDTH, 3) the patch of a frame; beyond the frame its border goes on."""
+    def warp(self, image: Picture, part: tuple[int, int, int, int] = WHOLE) -> Picture:
+        """(HEIGHT, WIDTH, 3) the patch of a frame, or its pixels ``part`` (left, top, right,
+        bottom); beyond the frame its border goes on."""
+        left, top, right, bottom = part
         matrix = self.matrix.copy()
-        matrix[:, 2] += ORIGIN + matrix[:, :2] @ np.array([0.5, 0.5])
+        matrix[:, 2] += ORIGIN + matrix[:, :2] @ np.array([0.5, 0.5]) - np.array([left, top])
         return np.asarray(
             cv2.warpAffine(
                 image,
                 matrix,
-                (WIDTH, HEIGHT),
+                (right - left, bottom - top),
                 flags=cv2.INTER_LINEAR,
                 borderMode=cv2.BORDER_REPLICATE,
             )
