@@ -21,6 +21,7 @@ from mien.cli import (
     doctor,
     interruption,
     live,
+    report,
     scan,
     studio,
 )
@@ -32,6 +33,7 @@ COMMANDS: dict[str, Command] = {
     "capture": capture,
     "calibrate": calibrate,
     "batch": batch,
+    "report": report,
     "live": live,
     "studio": studio,
     "character": character,

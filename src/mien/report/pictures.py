@@ -69,3 +69,11 @@ def _square(image: Picture, side: int) -> Picture:
     picture = Image.fromarray(image)
     fitted = ImageOps.fit(picture, (side, side), Image.Resampling.LANCZOS, centering=(0.5, 0.4))
     return np.asarray(fitted)
+
+
+def of_key(character: Character, name: str, side: int) -> Picture:
+    """A square picture of one of ``character``'s key models in full. Raises KeyError."""
+    weights = np.zeros(len(character.keys.names))
+    weights[character.keys.names.index(name)] = 1.0
+    surface = character.surface(weights)
+    return Renderer(character.face).render(surface, camera_on(character, side))

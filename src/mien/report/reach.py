@@ -14,11 +14,9 @@ Array = NDArray[np.float64]
 Frames = NDArray[np.bool_]
 
 _LARGE = 0.5
-"""Share of a frame's motion that has to be missing for the frame to count as not reached."""
-_BEYOND = 2.0
-"""Times the tremble of rest that has to be missing besides."""
-_REST = 0.2
-"""Share of the frames, those with the least motion, that tell what rest looks like."""
+"""Share of a frame's motion that has to be missing for the frame to count as not reached ..."""
+_CERTAIN = 2.0
+"""... and standard errors of what is missing: below that it may be the capture's own noise."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,7 +28,7 @@ class Reach:
     residual: Array
     """(F,) mm of it that no key model expressed."""
     unreached: Frames
-    """(F,) frames of which most is missing, and more than noise."""
+    """(F,) frames of which most is missing, and more than was measured with certainty."""
 
     @property
     def missing(self) -> float:
@@ -44,11 +42,7 @@ def reach(performance: Performance, curves: Curves) -> Reach:
     were have no motion and no residual: nothing is missing of them."""
     motion = np.where(performance.lost, 0.0, _motion(performance))
     residual = np.where(performance.lost, 0.0, curves.residual)
-    if not len(performance.points):
-        return Reach(motion, residual, np.zeros(len(motion), dtype=bool))
-    quiet = motion <= np.quantile(motion, _REST)
-    noise = float(np.sqrt((residual[quiet] ** 2).mean()))
-    unreached = (residual > _LARGE * motion) & (residual > _BEYOND * noise)
+    unreached = (residual > _LARGE * motion) & (residual > _CERTAIN * _noise(performance))
     return Reach(motion, residual, unreached)
 
 
@@ -82,3 +76,10 @@ def _motion(performance: Performance) -> Array:
     along = np.einsum("fpi,fi->fp", performance.motion, performance.unseen)
     square = (performance.motion**2).sum(axis=-1) - along**2
     return np.asarray(np.sqrt(square.clip(0.0).mean(axis=1)))
+
+
+def _noise(performance: Performance) -> float:
+    """mm, standard error of ``_motion``; 0 where there is none."""
+    known = performance.sigma[np.isfinite(performance.sigma).all(axis=1)]
+    sight = 1.0 - (performance.unseen**2).mean(axis=0)
+    return float(np.sqrt((known**2 @ sight).mean())) if len(known) else 0.0
