@@ -37,6 +37,8 @@ _FEWEST = 30
 """Pixels of an opening."""
 _SLIT = 3.0
 """Patch units of height below which a mouth is shut and one curve serves both lips."""
+_ACROSS = np.linspace(0.25, 0.75, 21)
+"""Shares of the way from the upper to the lower lip at which the slit may be."""
 _WIDE = 0.5
 """Share of the lips' width that an opening has at least: a dark spot in shaded lips has less."""
 _RING = 0.14
@@ -85,8 +87,8 @@ def lip_colour(outline: Array, seen: Pigments) -> LipColour:
     ring = np.concatenate(
         [upper_curve(outline, 15)[3:-3] + inset, lower_curve(outline, 15)[3:-3] - inset]
     )
-    place = seen.nearest(ring)
-    bright, pink = _median(seen.value[place]), _median(seen.magenta[place])
+    bright = _median(seen.values(seen.value, ring))
+    pink = _median(seen.values(seen.magenta, ring))
     return LipColour(max(bright, 1.0), max(pink, 0.5 * MAGENTA_SKIN))
 
 
@@ -118,7 +120,7 @@ def inside_masks(seen: Pigments, lips: LipColour) -> tuple[Mask, Mask]:
 def moustache(outline: Array, seen: Pigments) -> bool:
     """Whether what is above the lips (6, 2) is darker than skin: dark is no sign then."""
     strip = upper_curve(outline, 15)[3:-3] - np.array([0.0, _STRIP])
-    return bool(_median(seen.value[seen.nearest(strip)]) < USUAL_SKIN.max() * np.exp(-_HAIRY))
+    return bool(_median(seen.values(seen.value, strip)) < USUAL_SKIN.max() * np.exp(-_HAIRY))
 
 
 def filled(outline: Array, seen: Pigments) -> Mask:
@@ -131,8 +133,12 @@ def filled(outline: Array, seen: Pigments) -> Mask:
 def tongue_out(outline: Array, seen: Pigments, lips: LipColour) -> float:
     """How far the tongue is out, 0..1: pale and pink, under dark and above no teeth, and not where
     the lower lip is."""
-    dark, teeth = inside_masks(seen, lips)
-    within = _within(outline, seen)
+    return _tongue(outline, seen, lips, _within(outline, seen), *inside_masks(seen, lips))
+
+
+def _tongue(
+    outline: Array, seen: Pigments, lips: LipColour, within: Mask, dark: Mask, teeth: Mask
+) -> float:
     black = _opened(dark & within, _SPECK)
     if not black.any():
         return 0.0
@@ -154,7 +160,7 @@ def find_opening(outline: Array, seen: Pigments, lips: LipColour) -> Opening:
     dark, teeth = inside_masks(seen, lips)
     within = _within(outline, seen)
     share = float((teeth & within).sum()) / max(float(within.sum()), 1.0)
-    tongue = tongue_out(outline, seen, lips)
+    tongue = _tongue(outline, seen, lips, within, dark, teeth)
     shown = _opened((dark | teeth) & within, _MARGIN)
     if cv2.countNonZero(shown) >= _FEWEST:
         upper, lower = hull_edges(shown)
@@ -233,11 +239,10 @@ def hull_edges(mask: Mask) -> tuple[Array, Array]:
 def _slit(outline: Array, seen: Pigments) -> Array:
     """(6, 2) one curve along the darkest places between shut lips."""
     upper, lower = upper_curve(outline, 25)[2:-2], lower_curve(outline, 25)[2:-2]
-    share = np.linspace(0.25, 0.75, 21)[:, None, None]
-    places = upper + share * (lower - upper)
-    dark = seen.value[seen.nearest(places)]
-    away = ((share[..., 0] - 0.5) / 0.25) ** 2
-    best = (dark + 0.1 * dark.mean() * away).argmin(axis=0)
+    places = upper + _ACROSS[:, None, None] * (lower - upper)
+    dark = seen.values(seen.value, places)
+    off_middle = ((_ACROSS[:, None] - 0.5) / 0.25) ** 2
+    best = (dark + 0.1 * dark.mean() * off_middle).argmin(axis=0)
     darkest = places[best, np.arange(places.shape[1])]
     control = bezier.fit(np.concatenate([outline[:1], darkest, outline[1:2]]))
     lens = np.empty((6, 2))

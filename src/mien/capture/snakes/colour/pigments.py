@@ -35,11 +35,10 @@ class Pigments:
         """(..., 2) columns and rows of places (..., 2) in patch units."""
         return np.asarray((places - self.corner) / self.pitch)
 
-    def nearest(self, places: Array) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-        """Rows and columns of the pixels nearest to places (..., 2) in patch units."""
-        columns, rows = np.moveaxis(np.rint(self.pixels(places)).astype(np.intp), -1, 0)
-        height, width = self.value.shape
-        return np.clip(rows, 0, height - 1), np.clip(columns, 0, width - 1)
+    def values(self, plane: Field, places: Array) -> Field:
+        """(...) of one of the planes at the pixels nearest to places (..., 2) in patch units."""
+        flat = _nearest(plane, np.ascontiguousarray(self.pixels(places)).reshape(-1, 2))
+        return np.asarray(flat).reshape(places.shape[:-1])
 
 
 def pigments(patch: Picture, gains: Array, window: Box, pitch: int) -> Pigments:
@@ -51,6 +50,16 @@ def pigments(patch: Picture, gains: Array, window: Box, pitch: int) -> Pigments:
     return Pigments(*planes, first, pitch)
 
 
+@njit(cache=True, nogil=True)
+def _nearest(plane: Field, places: Array) -> Field:
+    rows, columns = plane.shape
+    found = np.empty(len(places), dtype=np.float32)
+    for n in range(len(places)):
+        column, row = int(np.rint(places[n, 0])), int(np.rint(places[n, 1]))
+        found[n] = plane[min(max(row, 0), rows - 1), min(max(column, 0), columns - 1)]
+    return found
+
+
 @njit(cache=True, nogil=True, fastmath=True)
 def _planes(patch: Picture, gains: Field) -> tuple[Field, Field, Field]:
     rows, columns, _ = patch.shape
@@ -60,13 +69,9 @@ def _planes(patch: Picture, gains: Field) -> tuple[Field, Field, Field]:
     faintest = np.float32(_FAINTEST)
     for y in range(rows):
         for x in range(columns):
-            r, g, b = (
-                patch[y, x, 0] * gains[0],
-                patch[y, x, 1] * gains[1],
-                patch[y, x, 2] * gains[2],
-            )
-            most = max(r, g, b)
+            green, tint = patch[y, x, 1] * gains[1], patch[y, x, 2] * gains[2]
+            most = max(patch[y, x, 0] * gains[0], green, tint)
             value[y, x] = most
-            magenta[y, x] = np.float32(1.0) - g / max(most, faintest)
-            blue[y, x] = b / max(g, faintest)
+            magenta[y, x] = np.float32(1.0) - green / max(most, faintest)
+            blue[y, x] = tint / max(green, faintest)
     return value, magenta, blue
