@@ -13,6 +13,7 @@ from math import inf
 from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mien.capture.detector import Detector
 from mien.capture.known import curve_calibration, landmark_calibration
@@ -27,6 +28,16 @@ from mien.capture.snakes.stepper import SnakeCapture
 from mien.capture.snakes.track import Gathering
 from mien.capture.snakes.watch import trace_of
 from mien.capture.track import KEPT, LandmarkTrack
+from mien.capture.tracker.capture import steady
+from mien.capture.tracker.crop import Crop, cut, pack, unpack
+from mien.capture.tracker.meet import Meeting, generic_person
+from mien.capture.tracker.meet import meet as meet_person
+from mien.capture.tracker.perform import confidences
+from mien.capture.tracker.perform import perform as perform_tracked
+from mien.capture.tracker.person import Person
+from mien.capture.tracker.trace import trace
+from mien.capture.tracker.track import Found, Tracker
+from mien.capture.tracker.trust import Trust
 from mien.errors import InputError
 from mien.face.library import generic_face
 from mien.performance.frame import Frame
@@ -41,6 +52,11 @@ _RECENT = 1.0
 """Seconds of landmarks that are kept, to learn shut lids from."""
 _COUNTED = 1.0
 """Seconds between two moments at which the faces in view are counted."""
+_AT_ONCE = Trust(meeting=False)
+"""A second at rest shows a face from one side: a bundle of such views tells nothing of its depth
+that the landmarks have not told, and would take seconds."""
+_USUAL_FRAMES = 300
+"""Frames that tell how well looks usually agree."""
 
 
 class Stepper(Protocol):
@@ -68,12 +84,17 @@ class LandmarkStepper:
         self._ground = ground(generic_face())
         self._focal = focal
         self._known = known
-        self._seen: list[LandmarkTrack] = []
+        self._gathered: list[LandmarkTrack] = []
         self._last: Performance | None = None
         self._recent: deque[LandmarkTrack] = deque()
         self._faces, self._counted = 1, -inf
         self._detector = Detector()
         self.trace = Trace()
+
+    @property
+    def seen(self) -> LandmarkTrack | None:
+        """The landmarks in the last picture; None where no face was found."""
+        return None if self.trace.lost or not self._recent else self._recent[-1]
 
     @property
     def known(self) -> Calibration | None:
@@ -95,7 +116,7 @@ class LandmarkStepper:
         while not 0.0 <= frame.time - self._recent[0].time[0] <= _RECENT:
             self._recent.popleft()
         if self._known is None:
-            self._seen.append(now)
+            self._gathered.append(now)
             if not self._learned():
                 return None
         assert self._known is not None
@@ -104,7 +125,7 @@ class LandmarkStepper:
 
     def learn(self) -> None:
         """See Stepper."""
-        self._known, self._seen, self._last = None, [], None
+        self._known, self._gathered, self._last = None, [], None
 
     def learn_shut(self, seconds: float) -> None:
         """Both eyes were shut in the last ``seconds``, at most _RECENT. Raises InputError where
@@ -120,13 +141,13 @@ class LandmarkStepper:
         self._detector.__exit__(None, None, None)
 
     def _learned(self) -> bool:
-        time = np.array([float(track.time[0]) for track in self._seen])
+        time = np.array([float(track.time[0]) for track in self._gathered])
         if len(time) < _LEAST_FRAMES or time[-1] - time[0] < LEARNING:
             return False
-        whole = _joined(self._seen)
+        whole = _joined(self._gathered)
         span = (float(time[0]), float(time[-1]))
         self._known = calibrate(whole, self._ground, neutral=span, focal=self._focal)
-        self._seen = []
+        self._gathered = []
         return True
 
 
@@ -177,6 +198,80 @@ class SnakeStepper:
         """See Stepper."""
 
 
+class TrackerStepper:
+    """The 3D tracker, frame by frame. Whom it follows it meets anew each time, by the look of the
+    first second, even where the landmarks know the performer from an earlier take."""
+
+    def __init__(self, known: Calibration | None = None, focal: float | None = None) -> None:
+        """``known`` of the landmarks, from an earlier take of the same performer and camera;
+        ``focal`` in pixels."""
+        self._landmarks = LandmarkStepper(known, focal)
+        self._gathered: list[tuple[LandmarkTrack, Crop]] = []
+        self._met: Meeting | None = None
+        self._following: Tracker | None = None
+        self._costs: deque[float] = deque(maxlen=_USUAL_FRAMES)
+        self._last: Performance | None = None
+        self.trace = Trace()
+
+    def step(self, frame: Frame) -> Performance | None:
+        """See Stepper."""
+        plain, seen = self._landmarks.step(frame), self._landmarks.seen
+        self.trace = self._landmarks.trace
+        if seen is None:
+            if self._following is not None:
+                self._following.lose()
+            return _lost(self._last, frame.time)
+        # Packed as the capture of a whole take keeps it: live and offline see the same greys.
+        crop = unpack(pack(cut(frame.image, seen.points[0])))
+        if self._following is None:
+            self._gathered.append((seen, crop))
+            time = [float(track.time[0]) for track, _ in self._gathered]
+            if plain is None or len(time) < _LEAST_FRAMES or time[-1] - time[0] < LEARNING:
+                return None
+            found = self._meet()
+        else:
+            found = self._following.step(crop, _places(seen, self._following.person))
+        assert self._met is not None
+        assert self._landmarks.known is not None
+        assert plain is not None
+        self._costs.append(found.cost)
+        self.trace = replace(trace(self._met.person, found), faces=self._landmarks.trace.faces)
+        tracked = perform_tracked(seen, [found], self._met, self._landmarks.known, plain)
+        trust = confidences(np.array(self._costs))[-1:]
+        self._last = replace(tracked, confidence=trust)
+        return self._last
+
+    def learn(self) -> None:
+        """See Stepper."""
+        self._landmarks.learn()
+        self._gathered, self._met, self._following, self._last = [], None, None, None
+        self._costs.clear()
+
+    def close(self) -> None:
+        """See Stepper."""
+        self._landmarks.close()
+
+    def _meet(self) -> Found:
+        """Meet the performer in the frames that were gathered, and follow them to the last."""
+        assert self._landmarks.known is not None
+        tracks, crops = zip(*self._gathered, strict=True)
+        somebody = generic_person(self._landmarks.known, tracks[-1].size)
+        points = np.stack([_places(track, somebody) for track in tracks])
+        rest = slice(0, len(points))
+        self._met = meet_person(somebody, points, rest, crops, _AT_ONCE)
+        look = steady(self._met, points, crops, rest)
+        self._following = Tracker(self._met.person, [look], self._met.rest)
+        self._gathered = []
+        for frame in range(len(points) // 2, len(points)):
+            found = self._following.step(crops[frame], points[frame])
+        return found
+
+
+def _places(track: LandmarkTrack, person: Person) -> NDArray[np.float64]:
+    """(N, 2) pixels of a person's landmarks in a track of one frame."""
+    return np.asarray(track.points[0, person.rows, :2], dtype=float)
+
+
 def _joined(tracks: Sequence[LandmarkTrack]) -> LandmarkTrack:
     time = np.concatenate([track.time for track in tracks])
     points = np.concatenate([track.points for track in tracks])
@@ -193,6 +288,7 @@ def _lost(last: Performance | None, time: float) -> Performance | None:
 STEPPERS: Mapping[str, Callable[[], Stepper]] = {
     "landmarks": LandmarkStepper,
     "snakes": SnakeStepper,
+    "tracker": TrackerStepper,
 }
 """Captures that can be stepped, by the name of the capture."""
 
@@ -205,4 +301,6 @@ def meet(capture: str, performer: Performer | None) -> Stepper:
     if performer is not None and capture == "snakes" and performer.curves:
         known, look, networks = curve_calibration(performer.curves)
         return SnakeStepper(known, capture=SnakeCapture(look, trained(networks)))
+    if performer is not None and capture == "tracker" and performer.landmarks:
+        return TrackerStepper(landmark_calibration(performer.landmarks))
     return STEPPERS[capture]()

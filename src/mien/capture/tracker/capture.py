@@ -81,7 +81,7 @@ def follow_take(
     met = meet(somebody, points, rest, faces, trust)
     middle = (rest.start + rest.stop) // 2
     gap = _gaps(track)
-    look = _steady(met, points, faces, rest, trust)
+    look = steady(met, points, faces, rest, trust)
     found: dict[int, Found] = {}
     for way in (range(middle, len(points)), range(middle - 1, -1, -1)):
         following = Tracker(met.person, [look], met.rest, trust)
@@ -92,7 +92,9 @@ def follow_take(
     return Followed(met, [found[frame] for frame in range(len(points))])
 
 
-def _steady(met: Meeting, points: Array, faces: Crops, rest: slice, trust: Trust | None) -> Look:
+def steady(
+    met: Meeting, points: Array, faces: Crops, rest: slice, trust: Trust | None = None
+) -> Look:
     """The mean look of the resting frames, each read where the face lies in it: noise goes."""
     first = take(met.person, met.crop, met.rest)
     following = Tracker(met.person, [first], met.rest, trust)
