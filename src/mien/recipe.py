@@ -21,6 +21,7 @@ from mien.face.character import Character
 from mien.face.databank import Databank, databank, performer_face
 from mien.face.face import Face
 from mien.face.library import generic_face
+from mien.face.overrides import overridden
 from mien.formats.markers.file import holds_markers, read_markers, read_roles
 from mien.formats.meshes.obj_read import read_obj
 from mien.formats.notes.own import read_pairs
@@ -36,9 +37,9 @@ from mien.formats.takes.mien_file import read_performance, write_performance
 from mien.formats.takes.recording import read_recording
 from mien.mapping import MAPPERS, Settings
 from mien.mapping.arkit import arkit_weights
+from mien.mapping.beside import beside
 from mien.mapping.fap import fap_values
 from mien.mapping.held import with_held
-from mien.mapping.beside import beside
 from mien.mapping.own import own_examples
 from mien.mapping.ranges import measure_ranges
 from mien.mapping.reconstruct import reconstruct
@@ -259,7 +260,7 @@ def animate(
         settings = _with_own(settings, own, character, performance)
     mapper = _choose(MAPPERS, mapping, "mapping")(character, performance, settings)
     curves = beside(mapper(performance), performance, character)
-    return smooth_curves(curves) if smooth else curves
+    return overridden(smooth_curves(curves) if smooth else curves, character)
 
 
 def _with_own(

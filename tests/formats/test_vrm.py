@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from gltf_reader import Reader
 
 from faces import toy_curves
+from gltf_reader import Reader
 from guests import DATA, document, edited, guest, needs_characters, write_quad
 from mien.errors import InputError
 from mien.face.model import Bind, Hooks
@@ -109,3 +109,30 @@ def test_godette(name: str) -> None:
     assert model.forward == (-1 if name.startswith("Godette") else 1)
     left = model.vertices[np.abs(model.dense(shapes["blinkLeft"])).max(axis=1) > 0.01]
     assert np.sign(left[:, 0].mean()) == model.forward
+
+
+def test_one_name_in_two_meshes_is_mixed_once(tmp_path: Path) -> None:
+    """An expression binds each mesh's target by itself, also where both are called the same."""
+
+    def change(told: Any) -> None:
+        told["meshes"].append(told["meshes"][0])
+        told["nodes"].append({"mesh": 1, "translation": [5, 0, 0]})
+        told["scenes"][0]["nodes"].append(1)
+        for mesh in told["meshes"]:
+            mesh["extras"] = {"targetNames": ["shut", "open"]}
+        binds = [{"node": node, "index": 0, "weight": 1.0} for node in (0, 1)]
+        expressions = {"preset": {"blink": {"morphTargetBinds": binds}}}
+        told["extensions"] = {"VRMC_vrm": {"humanoid": {}, "expressions": expressions}}
+
+    model = read_vrm(edited(write_quad(tmp_path / "a.vrm"), change))
+    shape = next(shape for shape in model.shapes if shape.name == "blink")
+    assert sorted(model.dense(shape)[:, 2]) == [0.0] * 6 + [1.0] * 2
+
+
+def test_overrides_of_1_are_read(tmp_path: Path) -> None:
+    def change(told: Any) -> None:
+        happy = {"overrideBlink": "block", "overrideMouth": "blend", "overrideLookAt": "none"}
+        told["extensions"] = {"VRMC_vrm": {"expressions": {"preset": {"happy": happy, "aa": 7}}}}
+
+    model = read_vrm(edited(write_quad(tmp_path / "a.vrm"), change))
+    assert model.overrides == {"happy": {"blink": "block", "mouth": "blend"}}

@@ -62,6 +62,7 @@ def _describe_origin(origin: Origin) -> Json:
         "scale": origin.scale,
         "centre": origin.centre.tolist(),
         "expressions": dict(origin.expressions),
+        "overrides": {name: dict(ways) for name, ways in origin.overrides.items()},
     }
 
 
@@ -79,7 +80,9 @@ def _read_origin(told: Json, glb: bytes) -> Origin:
     scale = float(told["scale"])
     if not 0.0 < scale < 1e12:
         raise ValueError("a scale is out of bounds")
-    return Origin(glb, binds, hooks, turn, scale, centre, _words(told["expressions"]))
+    overrides = {str(name): _words(ways) for name, ways in told.get("overrides", {}).items()}
+    words = _words(told["expressions"])
+    return Origin(glb, binds, hooks, turn, scale, centre, words, overrides)
 
 
 def _numbers(value: Any, shape: tuple[int, ...]) -> Array:

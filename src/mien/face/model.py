@@ -76,6 +76,8 @@ class Model:
     notes: tuple[str, ...] = ()
     """What was mended or odd, for a person to read."""
     hooks: Hooks = Hooks()
+    overrides: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+    """What VRM expressions take "blink", "lookAt" and "mouth" away: "block" or "blend"."""
     head_place: Array | None = None
     """(3,) where the joint stands about which the head turns, if there is one."""
     source: bytes | None = None

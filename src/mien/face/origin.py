@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from mien.face.face import Array
 from mien.face.model import Bind, Hooks
@@ -25,3 +25,5 @@ class Origin:
     """(3,) the head frame's origin in the file."""
     expressions: Mapping[str, str]
     """VRM expression that a key model is, by its name."""
+    overrides: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+    """What VRM expressions take "blink", "lookAt" and "mouth" away: "block" or "blend"."""

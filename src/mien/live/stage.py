@@ -16,6 +16,7 @@ from mien.capture.shapes import motion_from_shapes
 from mien.capture.stepping import Stepper
 from mien.face.character import Character
 from mien.face.library import generic_face
+from mien.face.overrides import overridden
 from mien.mapping import MAPPERS, Mapper, Settings
 from mien.mapping.arkit import ArkitMapper
 from mien.mapping.beside import beside
@@ -118,7 +119,8 @@ class Stage:
             beside(self._mappers[character.name](moved), moved, character)
             for character in self._characters
         ]
-        curves = dict(zip(self._mappers, self._smoother.together(mapped), strict=True))
+        shown = map(overridden, self._smoother.together(mapped), self._characters)
+        curves = dict(zip(self._mappers, shown, strict=True))
         return Moment(
             time,
             "lost" if performance.lost[0] else "following",

@@ -117,10 +117,12 @@ def unexpressed(character: Character) -> tuple[str, ...]:
     basis = motion.reshape(len(motion), -1).T
     wanted = _generic(ids).reshape(len(SPOKEN), -1)
     left = [nnls(basis, field)[1] / np.linalg.norm(field) for field in wanted]
+    # Whoever shuts both eyes shuts them, however else they move on the generic face.
+    known = ("eyeLook", "eyeBlink") if character.blinks else ("eyeLook",)
     return tuple(
         name
         for name, part in zip(SPOKEN, left, strict=True)
-        if part > _LOST and not name.startswith("eyeLook")
+        if part > _LOST and not name.startswith(known)
     )
 
 

@@ -31,6 +31,12 @@ _CARRIED_AWAY = 0.6
 """Widths from eye to eye: what carries a thing as far hides it, and is no expression."""
 _NEAR_DECAL = 0.15
 """Widths from eye to eye within which a piece on the face takes a feature point."""
+_DECALS = (
+    *(("4.1", "4.3", "4.5"), ("4.2", "4.4", "4.6")),
+    *((f"{group}.{index}",) for group, last in ((3, 14), (8, 10)) for index in range(1, last + 1)),
+    *((f"2.{index}",) for index in range(2, 10)),
+)
+"""Feature points that may lie on pieces of their own: brows, eyes and lips, but no nose."""
 PUPILS = 63.0
 """mm between the pupils of a face whose size does not count."""
 
@@ -71,7 +77,7 @@ def build(model: Model, picks: Picks, unit: float | None, *, seen: bool = False)
         whole |= _margins(vertices, triangles, on_skin, balls, whole)
     places, pivots = warped(whole)
     places = settle(places, vertices[acting], fields[:, acting], lids=False, sure=whole)
-    points = _on_face(places, vertices, triangles, skin, fields)
+    points = _on_face(places, vertices, triangles, skin, part, fields)
     points, pivots = _with_eyes(points, pivots, vertices, triangles, balls)
     if model.head_place is not None:
         pivots["head"] = upright(model.head_place)
@@ -105,13 +111,14 @@ def _on_face(
     vertices: Array,
     triangles: Ints,
     skin: Ints,
+    part: NDArray[np.intp],
     fields: NDArray[np.float32],
 ) -> FeaturePoints:
     """The feature points, dropped onto ``skin`` (T, 3) or what is drawn on it."""
     points = on_surface(places, vertices, skin)
     if fields[:, np.unique(skin)].any():
         return points
-    return _on_decals(points, places, vertices, triangles, fields)
+    return _on_decals(points, places, vertices, triangles, part, fields)
 
 
 def _with_eyes(
@@ -140,10 +147,11 @@ def _on_decals(
     places: dict[str, Array],
     vertices: Array,
     triangles: Ints,
+    part: NDArray[np.intp],
     fields: NDArray[np.float32],
 ) -> FeaturePoints:
     """Points moved from a still head onto eyes, brows and lips that lie on it as pieces of their
-    own, where such a piece is near."""
+    own, where such a piece is near; all of a brow onto one piece, for lashes come near it too."""
     left, right = points.at(vertices)[points.index(("3.7", "3.12"))]
     apart = float(np.linalg.norm(left - right))
     sane = np.abs(fields).max(axis=(1, 2)) < _CARRIED_AWAY * apart
@@ -151,14 +159,22 @@ def _on_decals(
     acting = triangles[(length > 0)[triangles].any(axis=1)]
     if not len(acting):
         return points
-    decals = on_surface(places, vertices, acting)
-    away = np.linalg.norm(decals.at(vertices) - np.stack(list(places.values())), axis=1)
-    near = (away < _NEAR_DECAL * apart)[:, None]
-    return FeaturePoints(
-        points.ids,
-        np.where(near, decals.vertices, points.vertices),
-        np.where(near, decals.weights, points.weights),
-    )
+    corners, weights = points.vertices.copy(), points.weights.copy()
+    for names in _DECALS:
+        wanted = {name: places[name] for name in names if name in places}
+        if not wanted:
+            continue
+        target = np.stack(list(wanted.values()))
+        pieces = [acting]
+        if len(names) > 1:
+            pieces = [acting[part[acting[:, 0]] == n] for n in np.unique(part[acting[:, 0]])]
+        found = [on_surface(wanted, vertices, piece) for piece in pieces]
+        away = np.stack([np.linalg.norm(f.at(vertices) - target, axis=1) for f in found])
+        best = int(away.sum(axis=1).argmin())
+        near = away[best] < _NEAR_DECAL * apart
+        rows = points.index(tuple(wanted))[near]
+        corners[rows], weights[rows] = found[best].vertices[near], found[best].weights[near]
+    return FeaturePoints(points.ids, corners, weights)
 
 
 def _upright(model: Model, picks: Picks, unit: float | None) -> Upright:
@@ -255,4 +271,5 @@ def _origin(model: Model, upright: Upright, origin: Array) -> Origin | None:
         scale=upright.scale,
         centre=upright.turn.T @ origin / upright.scale + np.array([upright.middle, 0.0, 0.0]),
         expressions={s.name: s.expression for s in model.shapes if s.expression},
+        overrides=model.overrides,
     )

@@ -16,6 +16,7 @@ _PARTS = 0.03
 def doubts(found: Import, model: Model) -> list[str]:
     """One line each, for a person to read."""
     told = []
+    shown = found.character.looks
     if found.facing < 0:
         told.append("faces -z: turned round")
     face, keys = found.character.face, found.character.keys
@@ -31,10 +32,10 @@ def doubts(found: Import, model: Model) -> list[str]:
         told.append("no shape parts the lips: the mouth has no opening, or lip points are off")
     if len(keys.names) and not found.character.blinks:
         told.append("no two shapes were found that shut one eye each: lids follow points only")
-    if not any(part.follows.startswith("eye") for part in face.parts):
+    if not any(part.follows.startswith("eye") for part in face.parts) and not shown:
         told.append("no eyeballs were found: previews show no gaze")
     if model.source is not None:
-        if None in model.hooks.eyes and not found.character.looks:
+        if None in model.hooks.eyes and not shown:
             told.append("no nodes were found that turn the eyes: the written file shows no gaze")
         if model.hooks.head is None and any(part.node is not None for part in model.parts):
             told.append("no node was found that turns the head: the written file turns as a whole")

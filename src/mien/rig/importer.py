@@ -15,6 +15,7 @@ from mien.formats.meshes.character_folder import read_folder, read_obj_model
 from mien.formats.meshes.lengths import UNITS
 from mien.rig.acts import Act, blinks, measure
 from mien.rig.build import build, facing, pupils_apart
+from mien.rig.mixtures import silent
 from mien.rig.picks import Picks, read_picks
 from mien.rig.said import NOTHING, Said, meant, read_said, with_nodes
 from mien.rig.spoken import arkit_keys, disagreements
@@ -94,18 +95,20 @@ def _finish(
 ) -> Import:
     """Measure what each key model does, and choose by which ones it acts."""
     acts = measure(character)
-    mixed = {shape.name for shape in model.shapes if len(shape.binds) > 1 and shape.expression}
+    unheard = silent(character, model.shapes, acts)
     looks = {way: key for way, key in LOOKS.items() if key in character.keys.names}
     by_gaze = set(looks.values()) if model.hooks.vrm is not None else set()
     acting = [
         act.name
         for act in acts
         if meanings.get(act.name, "" if act.still else act.name)
-        and act.name not in mixed | by_gaze
+        and act.name not in unheard | by_gaze
         and meanings.get(act.name) != NOTHING
     ]
-    rest = [act.name for act in acts if act.still and act.name not in meanings]
+    rest = [act.name for act in acts if act.still and act.name not in {*meanings, *unheard}]
     notes = [*model.notes, *disagreements(acts)]
+    if unheard:
+        notes.append(f"{', '.join(sorted(unheard))}: shown by what they mix or are mixed into")
     if rest:
         notes.append(f"no performance reaches {', '.join(sorted(rest))}: no feature point moves")
     spoken = arkit_keys(acts)

@@ -40,7 +40,7 @@ def find_points(model: Model, path: Path) -> Picks:
     MissingExtraError without the landmark network."""
     vertices, triangles = model.vertices, model.triangles
     part = components(vertices, triangles)
-    low, high = _frame(model, vertices)
+    low, high = framed(model, vertices)
     with Detector() as detector:
         for facing in (1, -1) if model.forward is None else (model.forward,):
             turned = np.array([facing, 1.0, facing])
@@ -56,7 +56,7 @@ def find_points(model: Model, path: Path) -> Picks:
     )
 
 
-def _frame(model: Model, vertices: Array) -> tuple[Array, Array]:
+def framed(model: Model, vertices: Array) -> tuple[Array, Array]:
     """The box of what the shapes move most, or of everything."""
     moved = np.zeros(len(vertices))
     for shape in model.shapes:

@@ -33,6 +33,7 @@ LOOKS: Mapping[str, str] = {
     "up": "lookUp",
     "down": "lookDown",
 }
+_OVERRIDES = {"blink": "overrideBlink", "lookAt": "overrideLookAt", "mouth": "overrideMouth"}
 _BONES_0 = {
     "leftThumbProximal": "leftThumbMetacarpal",
     "leftThumbIntermediate": "leftThumbProximal",
@@ -63,17 +64,23 @@ def read_vrm(path: Path | str) -> Model:
     head = bones.get("head")
     return replace(
         model,
-        shapes=tuple(_shapes(model, listed, known)),
+        shapes=tuple(_shapes(model, listed, known, container)),
         forward=-1 if version == 0 else 1,
         notes=(*model.notes, *dict.fromkeys(notes)),
         hooks=Hooks(head, eyes, version, bones),
+        overrides=dict(_overrides(told)) if version == 1 else {},
         head_place=joint_place(container, read_nodes(container), head),
     )
 
 
 def _shapes(
-    model: Model, listed: Mapping[str, tuple[Bind, ...]], known: Mapping[Bind, Shape]
+    model: Model,
+    listed: Mapping[str, tuple[Bind, ...]],
+    known: Mapping[Bind, Shape],
+    container: Container,
 ) -> Iterator[Shape]:
+    nodes = container.listed("nodes")
+    mesh = [_mesh_of(nodes, part.node) for part in model.parts]
     shown: set[Bind] = set()
     taken: set[str] = set()
     for name, binds in listed.items():
@@ -84,7 +91,10 @@ def _shapes(
         fields: dict[int, NDArray[np.float32]] = {}
         for bind in binds:
             for part, field in known[Bind(bind.mesh, bind.target)].fields.items():
-                fields[part] = fields.get(part, np.float32(0.0)) + np.float32(bind.weight) * field
+                # Targets of one name in several meshes are one shape, but not one bind.
+                if mesh[part] == bind.mesh:
+                    rest = fields.get(part, np.float32(0.0))
+                    fields[part] = rest + np.float32(bind.weight) * field
         taken.add(name)
         yield Shape(name, fields, binds, name)
     for shape in model.shapes:
@@ -135,20 +145,35 @@ def _percent(weight: Any) -> Any:
 def _expressions_1(
     container: Container, told: Json
 ) -> Iterator[tuple[str, list[tuple[Any, Any, Any]]]]:
-    expressions = told.get("expressions")
     nodes = container.listed("nodes")
+    for name, expression in _listed_1(told):
+        binds = expression.get("morphTargetBinds")
+        yield (
+            name,
+            [
+                (_mesh_of(nodes, bind.get("node")), bind.get("index"), bind.get("weight"))
+                for bind in (binds if isinstance(binds, list) else [])
+                if isinstance(bind, dict)
+            ],
+        )
+
+
+def _overrides(told: Json) -> Iterator[tuple[str, dict[str, str]]]:
+    """What each expression of VRM 1.0 takes from others."""
+    for name, expression in _listed_1(told):
+        said = {what: str(expression.get(key)) for what, key in _OVERRIDES.items()}
+        ways = {what: way for what, way in said.items() if way in ("block", "blend")}
+        if ways:
+            yield name, ways
+
+
+def _listed_1(told: Json) -> Iterator[tuple[str, Json]]:
+    """Names and contents of the expressions of VRM 1.0."""
+    expressions = told.get("expressions")
     for kind in ("preset", "custom"):
         listed = expressions.get(kind) if isinstance(expressions, dict) else None
         for name, expression in (listed if isinstance(listed, dict) else {}).items():
-            binds = expression.get("morphTargetBinds") if isinstance(expression, dict) else None
-            yield (
-                str(name)[:100],
-                [
-                    (_mesh_of(nodes, bind.get("node")), bind.get("index"), bind.get("weight"))
-                    for bind in (binds if isinstance(binds, list) else [])
-                    if isinstance(bind, dict)
-                ],
-            )
+            yield str(name)[:100], expression if isinstance(expression, dict) else {}
 
 
 def _mesh_of(nodes: list[Json], node: Any) -> Any:

@@ -13,6 +13,7 @@ import numpy as np
 from mien.errors import InputError
 from mien.face.character import Character
 from mien.face.face import Array
+from mien.face.overrides import for_player
 from mien.formats.atomic import whole_file
 from mien.formats.gltf.animated import near_quaternions
 from mien.formats.gltf.buffer import GltfBuffer, Json
@@ -32,6 +33,7 @@ def write_vrma(path: Path, character: Character, curves: Curves) -> None:
     origin = character.origin
     if origin is None or origin.hooks.vrm is None:
         raise InputError(f"{path}: only VRM characters are animated so; {character.name} is none")
+    curves = for_player(curves, character)
     buffer = GltfBuffer()
     times = buffer.add(curves.time.astype(np.float32), bounds=True)
     head = character.face.pivots["head"] * _METRES
