@@ -85,7 +85,7 @@ def look(store: Store, take: str, digest: str, order: Order) -> None:
     with kept(store.captures / order.capture_key(digest), account) as room:
         write_performance(performance, room / PERFORMANCE)
         if account["pictures"]:
-            shown = of_take(take, performance.time[frames].tolist(), _SIDE, **_cut(order))
+            shown = of_take(take, performance, frames, _SIDE, **_cut(order))
             _write_strip(shown, room / PICTURE)
 
 

@@ -13,6 +13,7 @@ from mien.cli.results import results, spare
 from mien.errors import InputError
 
 if TYPE_CHECKING:
+    from mien.performance.performance import Performance
     from mien.report.tell import Shown
 
 
@@ -81,7 +82,7 @@ def run(options: argparse.Namespace) -> None:
             performance = moving(performance)
         remark(options, "measuring, and drawing pictures")
         findings = find(performance, character, curves)
-        page = told(Story(findings, take_name(options.take), _shown(options)))
+        page = told(Story(findings, take_name(options.take), _shown(options, performance)))
         with whole_file(claim(output.name)) as temporary:
             temporary.write_text(page, "utf-8")
     tell(
@@ -101,7 +102,7 @@ def run(options: argparse.Namespace) -> None:
     )
 
 
-def _shown(options: argparse.Namespace) -> Shown:
+def _shown(options: argparse.Namespace, performance: Performance) -> Shown:
     """What shows pictures of the take, where there are any."""
     from mien.formats.markers.file import holds_markers
     from mien.recipe import READERS
@@ -110,7 +111,14 @@ def _shown(options: argparse.Namespace) -> Shown:
     take = str(options.pictures or options.take)
     captured = Path(take).suffix.lower() in READERS or holds_markers(take)
     if captured or take.startswith("camera:"):
-        return lambda seconds, side: []
-    return lambda seconds, side: of_take(
-        take, seconds, side, start=options.start, mirror=options.mirror, rate=options.rate
+        return lambda frames, side: []
+    return lambda frames, side: of_take(
+        take,
+        performance,
+        frames,
+        side,
+        start=options.start,
+        mirror=options.mirror,
+        rate=options.rate,
+        focal=options.focal if isinstance(options.focal, float) else None,
     )

@@ -32,9 +32,11 @@ class Reach:
 
     @property
     def missing(self) -> float:
-        """Share of all motion that was not expressed, 0..1; 0 where nothing moved."""
+        """Share of all motion that was not expressed, 0..1; 0 where nothing moved. In a take that
+        is all noise a character may well stray farther than its performer, which is 1 too."""
         all_of_it = float((self.motion**2).sum())
-        return float(np.sqrt((self.residual**2).sum() / all_of_it)) if all_of_it else 0.0
+        share = np.sqrt((self.residual**2).sum() / all_of_it) if all_of_it else 0.0
+        return float(min(share, 1.0))
 
 
 def reach(performance: Performance, curves: Curves) -> Reach:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from html import escape
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,8 +19,8 @@ from mien.report.reach import spans, telling
 from mien.sculpt.transfer.make import make
 
 Picture = NDArray[np.uint8]
-Shown = Callable[[Sequence[float], int], list[Picture]]
-"""Square pictures of the take at some seconds, of a given side; none where it has no pictures."""
+Shown = Callable[[Sequence[int], int], list[Picture]]
+"""Square pictures of the take at some frames, of a given side; none where it has no pictures."""
 
 _MOMENTS, _WORST = 6, 6
 _SIDE = 240
@@ -205,7 +206,7 @@ def _rest(story: Story) -> str:
 
 
 def _foot(story: Story) -> str:
-    source = story.findings.performance.source or story.take
+    source = Path(story.findings.performance.source or story.take).name
     return (
         f"<footer>Captured from {escape(source)}. Millimetres at the performer's size, with 63 mm "
         "between the pupils unless calibrated.</footer>"
@@ -215,7 +216,7 @@ def _foot(story: Story) -> str:
 def _faces(story: Story, frames: Sequence[int], captions: Sequence[str]) -> str:
     """The take above, the character below, at ``frames``."""
     found = story.findings
-    taken = story.shown(found.performance.time[list(frames)].tolist(), _SIDE)
+    taken = story.shown(frames, _SIDE)
     acted = of_character(found.character, found.curves, frames, _SIDE)
     cells = []
     for i, (picture, caption) in enumerate(zip(acted, captions, strict=True)):
