@@ -61,6 +61,26 @@ def write_guest(
     return path, points
 
 
+def write_vrm_guest(folder: Path) -> tuple[Path, Path]:
+    """The same as a VRM 1.0, whose expressions bind the morph targets."""
+    path, points = write_guest(folder)
+    face = next(i for i, node in enumerate(document(path)["nodes"]) if node["name"] == "face")
+
+    def change(told: Json) -> None:
+        custom = {
+            name: {"morphTargetBinds": [{"node": face, "index": i, "weight": 1.0}]}
+            for i, name in enumerate(SHAPES)
+        }
+        told["extensions"] = {
+            "VRMC_vrm": {
+                "humanoid": {"humanBones": {"head": {"node": face}}},
+                "expressions": {"custom": custom},
+            }
+        }
+
+    return edited(path, change).rename(folder / "guest.vrm"), points
+
+
 def document(path: Path) -> Json:
     """The JSON of a GLB."""
     content = path.read_bytes()

@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from functools import cache
 from pathlib import Path
-from typing import Any
 
 import av
 import numpy as np
@@ -19,7 +18,7 @@ from terminal import needs_landmarks
 import mien
 from clips import write_video
 from gltf_reader import Reader
-from guests import SHAPES, document, edited, write_guest
+from guests import document, write_guest, write_vrm_guest
 from mien.errors import InputError
 from mien.face.animate import Poser
 from mien.face.character import Character
@@ -118,24 +117,8 @@ def _guest(folder: Path, called: list[str] | None = None) -> Character:
 
 
 def _vrm(folder: Path) -> Character:
-    """The same as a VRM: its expressions bind the morph targets of the GLB."""
-    path, points = write_guest(folder)
-    node = next(i for i, node in enumerate(document(path)["nodes"]) if node["name"] == "face")
-
-    def change(told: Any) -> None:
-        binds = [{"node": node, "index": i, "weight": 1.0} for i in range(len(SHAPES))]
-        custom = {
-            name: {"morphTargetBinds": [bind]} for name, bind in zip(SHAPES, binds, strict=True)
-        }
-        told["extensions"] = {
-            "VRMC_vrm": {
-                "humanoid": {"humanBones": {"head": {"node": node}}},
-                "expressions": {"custom": custom},
-            }
-        }
-
-    vrm = edited(path, change).rename(folder / "guest.vrm")
-    return import_character(vrm, points=points).character
+    path, points = write_vrm_guest(folder)
+    return import_character(path, points=points).character
 
 
 def _made(folder: Path) -> Character:
