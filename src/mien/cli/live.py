@@ -52,6 +52,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
         default="landmarks",
         help="how a face is followed (default: %(default)s)",
     )
+    parser.add_argument(
+        "--performer",
+        type=Path,
+        metavar="FILE.performer",
+        help="what earlier takes told of the performer (see 'mien calibrate'); "
+        "learnt in the first second otherwise",
+    )
     parser.add_argument("--mirror", action="store_true", help="the pictures are mirrored")
     for name in OUTPUT_OPTIONS:
         parser.add_argument(
@@ -83,7 +90,7 @@ def run(options: argparse.Namespace) -> None:
             outputs=senders,
             record=options.record,
             seconds=options.seconds,
-            watch=_Watch() if sys.stderr.isatty() else None,
+            watch=_Watch(stepper) if sys.stderr.isatty() else None,
         )
     finally:
         for sender in senders:
@@ -122,7 +129,8 @@ def _source(options: argparse.Namespace) -> tuple[Iterable[Live], Stepper | None
     """What gives frames, and what looks at them where they are pictures."""
     if options.hear is not None:
         return _receiver(options), None
-    from mien.capture.stepping import STEPPERS
+    from mien.capture.stepping import STEPPERS, meet
+    from mien.formats.performer_file import read_performer
     from mien.formats.pictures.camera import open_camera
     from mien.formats.pictures.sources import open_source
     from mien.live.run import in_real_time
@@ -134,7 +142,8 @@ def _source(options: argparse.Namespace) -> tuple[Iterable[Live], Stepper | None
         frames = in_real_time(open_source(options.video, mirror=options.mirror))
     else:
         frames = open_camera(options.camera or 0, options.seconds or _FOREVER, options.mirror)
-    return frames, STEPPERS[options.capture]()
+    known = None if options.performer is None else read_performer(options.performer)
+    return frames, meet(options.capture, known)
 
 
 def _receiver(options: argparse.Namespace) -> Iterable[Live]:
@@ -157,7 +166,9 @@ def _receiver(options: argparse.Namespace) -> Iterable[Live]:
 class _Watch:
     """One line on the terminal, twice a second."""
 
-    def __init__(self) -> None:
+    def __init__(self, stepper: Stepper | None) -> None:
+        """``stepper`` is what looks at pictures; None where nobody does."""
+        self._stepper = stepper
         self._told = 0.0
 
     def __call__(self, moment: Moment, tally: Tally) -> None:
@@ -169,8 +180,10 @@ class _Watch:
             "following": "following",
             "lost": "the face is lost",
         }
-        line = f"{states[moment.state]}, {tally.late_ms(0.5):.0f} ms late, {tally.dropped} dropped"
-        print(f"\r{line:<70}", end="", file=sys.stderr, flush=True)
+        faces = self._stepper.trace.faces if self._stepper is not None else 1
+        one = f" one of {faces} faces" if faces > 1 and moment.state == "following" else ""
+        line = f"{states[moment.state]}{one}, {tally.late_ms(0.5):.0f} ms late, "
+        print(f"\r{line + f'{tally.dropped} dropped':<70}", end="", file=sys.stderr, flush=True)
 
 
 def _report(options: argparse.Namespace, tally: Tally) -> None:
