@@ -47,6 +47,7 @@ from mien.mapping.spoken import pass_through, understood
 from mien.mapping.surface import act_surface, told_points
 from mien.overlay_film import overlay_film
 from mien.performance.curves import Curves
+from mien.performance.filters import Smoother
 from mien.performance.filters import smooth as smooth_curves
 from mien.performance.frame import Frame
 from mien.performance.performance import Performance
@@ -232,6 +233,7 @@ def animate(
     own: str | Path | Sequence[HeldFace] | None = None,
     own_range: bool = False,
     smooth: bool = True,
+    causal: bool = False,
 ) -> Curves:
     """The curves with which ``character`` acts ``performance``.
 
@@ -239,7 +241,7 @@ def animate(
     part; ``own`` is a file of moments of this performance that stand for poses of the character
     (``formats.notes.own``), or a .performer with faces that were held, or such faces;
     ``own_range`` makes the range shown in it the character's; ``smooth`` False leaves the
-    detector's tremble in.
+    detector's tremble in; ``causal`` smooths as live work has to, from what came before alone.
     Weights that came under a vocabulary the character speaks pass as they are.
     Raises InputError.
     """
@@ -260,7 +262,9 @@ def animate(
         settings = _with_own(settings, own, character, performance)
     mapper = _choose(MAPPERS, mapping, "mapping")(character, performance, settings)
     curves = beside(mapper(performance), performance, character)
-    return overridden(smooth_curves(curves) if smooth else curves, character)
+    if smooth:
+        curves = Smoother()(curves) if causal else smooth_curves(curves)
+    return overridden(curves, character)
 
 
 def _with_own(

@@ -84,6 +84,13 @@ def add_acting_options(parser: argparse.ArgumentParser, output: str | None) -> N
     parser.add_argument(
         "--no-head", action="store_true", help="the head turns but does not leave its place"
     )
+    parser.add_argument(
+        "--filter",
+        choices=("offline", "live"),
+        default="offline",
+        help="how the detector's tremble goes: looking ahead too, without lag (default: offline), "
+        "or as live, from what came before alone",
+    )
     parser.add_argument("--no-filter", action="store_true", help="leave the detector's tremble in")
     parser.add_argument("--no-preview", action="store_true", help="write no preview.mp4")
 

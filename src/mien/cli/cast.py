@@ -92,6 +92,7 @@ def _points(options: argparse.Namespace, character: Character, bank: Databank | 
             own=options.own,
             own_range=options.own_range,
             smooth=smooth,
+            causal=options.filter == "live",
         )
         return character, _still(options, curves)
 
