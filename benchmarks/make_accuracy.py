@@ -216,14 +216,28 @@ def by_points(source: Head, target: Head) -> Array:
 
 def error(truth: Head, made: Array) -> float:
     """Mean over the shapes."""
-    seen = outside(truth.skin.vertices, truth.skin.triangles)
-    errors = []
+    return float(np.mean(errors(truth, made)))
+
+
+def errors(truth: Head, made: Array) -> Array:
+    """(43,) of each shape."""
+    seen = seen_skin(truth)
+    found = []
     for true, guess in zip(truth.shapes[:, seen], made[:, seen], strict=True):
         moved, moves = np.linalg.norm(true, axis=1), np.linalg.norm(guess, axis=1)
         counts = (moved > 0.05 * moved.max()) | (moves > 0.05 * moves.max())
         apart = np.linalg.norm(true - guess, axis=1)
-        errors.append(apart[counts].mean() / moved[counts].mean())
-    return float(np.mean(errors))
+        found.append(apart[counts].mean() / moved[counts].mean())
+    return np.array(found)
+
+
+def seen_skin(head: Head) -> NDArray[np.bool_]:
+    """(N,) skin that is seen from outside, with all else in its place: sockets lie behind eyes."""
+    face, skin = head.face, head.skin
+    whole = outside(face.vertices, np.concatenate([part.triangles for part in face.parts]))
+    seen = np.zeros(len(skin.vertices), dtype=bool)
+    seen[skin.welded[whole[skin.rows]]] = True
+    return seen
 
 
 def inverted(target: Head, made: Array) -> float:

@@ -83,8 +83,7 @@ def correspond(source: Face, target: Face, skin: Skin, own: Skin) -> Corresponde
     """Lay ``source``, whose skin is ``skin``, on ``target``, whose skin is ``own``. Raises
     InputError where they share too few points."""
     common = shared_points(source, target)
-    from_places = source.points.at(source.vertices)[source.points.index(common)]
-    to_places = target.points.at(target.vertices)[target.points.index(common)]
+    from_places, to_places = _places(source, skin, common), _places(target, own, common)
     similarity = align(from_places, to_places)
     good = _agreeing(similarity(from_places), to_places)
     similarity = align(from_places[good], to_places[good])
@@ -95,6 +94,18 @@ def correspond(source: Face, target: Face, skin: Skin, own: Skin) -> Corresponde
     seen = outside(rest, skin.triangles) & ~_lids(source, rest, similarity)
     warped = _fit(rest + field(rest), skin.triangles, seen, own)
     return _partners(similarity, scale, warped, skin.triangles, own)
+
+
+def _places(face: Face, skin: Skin, ids: tuple[str, ...]) -> Array:
+    """(P, 3) of feature points; those on lashes are taken to the skin behind, which looks ahead."""
+    rows = face.points.index(ids)
+    places = face.points.at(face.vertices)[rows]
+    off = ~np.isin(face.points.vertices[rows], skin.rows).all(axis=1)
+    if off.any():
+        ahead = np.tile([0.0, 0.0, 1.0], (int(off.sum()), 1))
+        found = ClosestPoints(skin.vertices, skin.triangles)(places[off], ahead, _TURNED)
+        places[off] = found.matrix(skin.triangles, len(skin.vertices)) @ skin.vertices
+    return places
 
 
 def _local_scale(field: rbf.Field, places: Array) -> Array:

@@ -16,7 +16,7 @@ from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from mien.face.face import Array, Face, Ints
+from mien.face.face import Array, Face, Ints, Part
 from mien.numeric.normals import vertex_normals
 
 Index = NDArray[np.intp]
@@ -25,6 +25,8 @@ _ELSEWHERE = frozenset({"3.5", "3.6", "7.1", "9.8", "9.9", "9.10", "9.11"})
 _GROUPS_ELSEWHERE = frozenset({"6", "10", "11"})
 """Pupils, neck and teeth; tongue, ears and hair line: not on the skin of the face, or not at a
 place that another kind of head shares."""
+_SITS_ON = ("lash", "hair", "beard", "brows")
+"""In the name of a part: it sits on skin and is none, even where it is welded to it."""
 _ALIKE = 1e-3
 """mm between vertices that are one ..."""
 _FACING = 0.2
@@ -65,7 +67,7 @@ def on_skin(fdp: str) -> bool:
 
 def skin_of(face: Face) -> Skin:
     """The skin of ``face``. Raises ValueError where no feature point is on any part."""
-    triangles = np.concatenate([p.triangles for p in face.parts if p.follows == "head"])
+    triangles = np.concatenate([p.triangles for p in face.parts if _may_be_skin(p)])
     root = _weld(face.vertices, triangles.astype(np.int32))
     piece = _pieces(root[triangles], len(face.vertices))
     points = [k for k, fdp in enumerate(face.points.ids) if on_skin(fdp)]
@@ -84,6 +86,11 @@ def skin_of(face: Face) -> Skin:
         rows,
         np.searchsorted(used, root[rows]),
     )
+
+
+def _may_be_skin(part: Part) -> bool:
+    name = part.name.lower()
+    return part.follows == "head" and not any(word in name for word in _SITS_ON)
 
 
 def _weld(vertices: Array, triangles: Ints) -> Index:

@@ -1,12 +1,14 @@
 """Deformation transfer (Sumner and Popović 2004) of displacement fields, factored once.
 
     minimise  sum_T area w |grad u - G|²  +  sum_v area (trust / L²) |u - c|²
+              + sum_v area (doubt / R²) |u|²
 
 with G the displacement gradient of the source, laid on the target, at each target triangle T, w the
 trust in its partner, and c the source's displacement at each vertex's partner. The second sum is
-the screen: without it thin strips such as lids drift, for gradients add up. Both G and c are linear
-in the source's motion and alike in x, y and z: sparse matrices and one factored system, and a shape
-costs a few products and three solutions.
+the screen: without it thin strips such as lids drift, for gradients add up. The third lets motion
+fade over R where the source has nothing: a neck does not follow the corner of a mouth. Both G and c
+are linear in the source's motion and alike in x, y and z: sparse matrices and one factored system,
+and a shape costs a few products and three solutions.
 """
 
 from __future__ import annotations
@@ -23,6 +25,8 @@ from mien.sculpt.transfer.skin import Skin
 _SCREEN = 8.0
 """mm, the screen's length L: over less, gradients rule; over more, places. (Among people of one
 maker less is better, between heads of two makers it makes no difference.)"""
+_FADE = 30.0
+"""mm, R: over which motion comes to rest on skin without a partner."""
 _ROUNDS = 3
 """Smoothings of the source's gradients over its neighbours."""
 _DOUBT = 0.03
@@ -75,12 +79,13 @@ class Transfer:
         area = np.zeros(len(target.vertices))
         np.add.at(area, target.triangles, areas[:, None] / 3.0)
         held = pair.partner @ (pair.scale * moved) < _STILL
-        screened = area * np.where(held, _HELD, pair.trust / screen**2)
+        placed = area * np.where(held, 0.0, pair.trust / screen**2)
+        still = area * np.where(held, _HELD, _DOUBT * (1.0 - pair.trust) / _FADE**2)
         self._gathered = (slopes.T @ sparse.diags(np.repeat(weight * trust, 3))).tocsr()
-        self._placed = sparse.diags(np.where(held, 0.0, screened)) @ pair.partner
+        self._placed = sparse.diags(placed) @ pair.partner
         system = slopes.T @ sparse.diags(np.repeat(weight, 3)) @ slopes
         self._solver = splu(
-            (system + sparse.diags(screened + _LOOSE)).tocsc(),
+            (system + sparse.diags(placed + still + _LOOSE)).tocsc(),
             permc_spec="MMD_AT_PLUS_A",
             diag_pivot_thresh=0.0,
             options={"SymmetricMode": True},
