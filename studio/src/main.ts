@@ -1,30 +1,36 @@
 import "./style.css";
+import { Coach } from "./coach";
 import { Desk } from "./desk";
+import { bring, button, choices, choose, find, note, plain, spoken, tame } from "./dom";
+import { Guests } from "./guests";
+import { type Key, listen } from "./keys";
 import { Line } from "./line";
-import type { Look, StageSet, ToPage, Way } from "./messages";
+import type { Look, StageSet, ToPage } from "./messages";
 import type { Packet } from "./packet";
 import { Performer } from "./performer";
+import { Tape } from "./sound";
 import { Theatre } from "./theatre";
+import { Timeline } from "./timeline";
 
-const find = <T extends HTMLElement>(id: string) => document.getElementById(id) as T;
-const theatre = new Theatre(find("stage"), find("plates"));
+const theatre = new Theatre(find<HTMLCanvasElement>("stage"), find("plates"));
 const line = new Line(told, frame, reached);
 const performer = new Performer((time, picture) => line.show(time, picture));
-const desk = new Desk(find("bars"), find("filter"), (adjust) => line.say(adjust));
+const desk = new Desk(find("bars"), find<HTMLInputElement>("filter"), (adjust) => line.say(adjust));
+const coach = new Coach((message) => line.say(message));
+const timeline = new Timeline((message) => line.say(message));
+const guests = new Guests((name) => appear(name));
 let stage: StageSet | undefined;
 let shownActor = 0;
-let playing = true;
-let place = 0;
-let take = "";
 let looked: Look | undefined;
-let cast: string[] = [];
 let lost = false;
+let listening = false;
+let tape: Tape | undefined;
 
 /** A server that comes back is told again what it should look at. */
 function reached(there: boolean): void {
   if (!there && !lost) note("the server is not there; trying again", "error");
   if (there && lost) {
-    if (cast.length) line.say({ kind: "Cast", characters: cast });
+    if (stage) line.say({ kind: "Cast", characters: stage.actors.map((actor) => actor.name) });
     if (looked) line.say(looked);
   }
   lost = !there;
@@ -32,28 +38,40 @@ function reached(there: boolean): void {
 
 function told(message: ToPage): void {
   if (message.kind === "Note") note(message.text, message.level);
+  else if (message.kind === "Learnt") coach.learnt(message);
   else void set(message);
 }
 
 async function set(message: StageSet): Promise<void> {
+  const before = stage;
   stage = message;
+  settings(message);
+  sources(message);
+  castChips(message);
+  takes(message);
+  coach.set(message);
+  timeline.set(message);
+  performer.invite(message.source);
+  void keepSound(before, message);
   await theatre.set(message.actors);
-  choices(find<HTMLSelectElement>("capture"), message.captures, message.way.capture);
-  choices(find<HTMLSelectElement>("mapping"), message.mappings, message.way.mapping);
+  document.body.dataset.source = message.source;
+}
+
+function settings(message: StageSet): void {
+  choices(find("capture"), plain(message.captures), message.way.capture);
+  choices(find("mapping"), plain(message.mappings), message.way.mapping);
   find<HTMLInputElement>("mirror").checked = message.way.mirror;
   find<HTMLInputElement>("gain").value = String(message.way.gain);
   find("gainValue").textContent = message.way.gain.toFixed(2);
   shownActor = Math.min(shownActor, message.actors.length - 1);
-  choices(find<HTMLSelectElement>("actor"), message.actors.map((actor) => actor.name), message.actors[shownActor]?.name ?? "");
+  choices(find("actor"), message.actors.map(({ name }) => [name, spoken(name)]), message.actors[shownActor]?.name ?? "");
   const actor = message.actors[shownActor];
   if (actor) desk.set(actor);
-  find("record").ariaPressed = String(message.recording);
-  sources(message);
-  castChips(message);
-  takes(message);
-  performer.invite(message.source === "none");
-  find("timeline").hidden = message.source !== "take";
-  document.body.dataset.source = message.source;
+  const record = find<HTMLButtonElement>("record");
+  record.ariaPressed = String(message.recording);
+  record.lastElementChild!.textContent = message.recording ? "Stop" : "Record";
+  record.disabled = !["camera", "sample", "video"].includes(message.source);
+  find("microphone").hidden = message.source !== "camera";
 }
 
 function frame(packet: Packet): void {
@@ -61,22 +79,14 @@ function frame(packet: Packet): void {
   const shown = packet.actors.get(shownActor);
   if (shown) desk.show(shown.weights);
   performer.see(packet);
-  const words = { waiting: "looking for a face at rest", following: "following", lost: "the face is lost" };
-  const state = find("state");
-  state.dataset.state = packet.state;
-  state.textContent = `${words[packet.state]} · ${packet.late.toFixed(0)} ms`;
-  if (packet.playing) {
-    place = packet.playing.place;
-    const slider = find<HTMLInputElement>("place");
-    slider.max = String(packet.playing.length);
-    if (document.activeElement !== slider || playing) slider.value = String(place);
-    find("clock").textContent = `${place.toFixed(1)} of ${packet.playing.length.toFixed(1)} s`;
-  }
+  coach.see(packet.held);
+  timeline.see(packet);
 }
 
-async function watch(look: Omit<Look, "kind">): Promise<void> {
+async function watch(source: Look["source"], name = ""): Promise<void> {
   performer.rest();
-  if (look.source === "camera") {
+  coach.end();
+  if (source === "camera") {
     try {
       await performer.film();
     } catch {
@@ -84,103 +94,108 @@ async function watch(look: Omit<Look, "kind">): Promise<void> {
       return;
     }
   }
-  take = look.source === "take" ? look.name : "";
-  playing = true;
-  looked = { kind: "Look", ...look };
+  timeline.begin();
+  looked = { kind: "Look", source, name };
   line.say(looked);
 }
 
 function sources(message: StageSet): void {
-  const camera = button("Camera", message.source === "camera", () => void watch({ source: "camera", name: "" }));
-  const sample = button("Sample", message.source === "sample", () => void watch({ source: "sample", name: "" }));
-  const upload = button("Video…", message.source === "video", () => {
-    const input = document.createElement("input");
-    input.type = "file";
-    input.accept = "video/*";
-    input.onchange = () => { if (input.files?.[0]) void bring(input.files[0]); };
-    input.click();
-  });
-  camera.id = "camera"; sample.id = "sample"; upload.id = "upload";
-  find("sources").replaceChildren(camera, sample, upload);
+  const chosen = { camera: "camera", sample: "sample", video: "video-file" } as Record<string, string>;
+  for (const id of Object.values(chosen)) find(id).ariaPressed = String(chosen[message.source] === id);
+  find("video-file").textContent = message.source === "video" ? message.name : "Video…";
 }
 
-async function bring(file: File): Promise<void> {
-  const name = file.name.replace(/[^\w .()+-]/g, "_").slice(-90);
-  note(`bringing ${name} …`, "info");
-  const answer = await fetch(`videos/${encodeURIComponent(name)}`, { method: "PUT", body: file });
-  const said = (await answer.json()) as { error?: string };
-  if (answer.ok) void watch({ source: "video", name });
-  else note(said.error ?? "the video could not be kept", "error");
+async function upload(): Promise<void> {
+  const file = await choose("video/*");
+  if (!file) return;
+  note(`bringing ${file.name} …`);
+  const kept = await bring<{ name: string }>(`videos/${encodeURIComponent(tame(file.name))}`, file);
+  if (kept) void watch("video", kept.name);
+}
+
+async function meet(): Promise<void> {
+  const file = await choose(".performer");
+  const kept = file && (await bring<{ name: string }>(`performers/${encodeURIComponent(tame(file.name))}`, file));
+  if (kept) line.say({ kind: "Meet", name: kept.name });
+}
+
+/** Somebody new comes on stage, beside the others as far as there is room. */
+function appear(name: string): void {
+  const others = (stage?.actors ?? []).map((actor) => actor.name).filter((other) => other !== name);
+  line.say({ kind: "Cast", characters: [...others.slice(-3), name] });
+  note(`${name} is on stage`);
 }
 
 function castChips(message: StageSet): void {
-  cast = message.actors.map((actor) => actor.name);
-  find("cast").replaceChildren(
-    ...message.characters.map((name) =>
-      button(name, cast.includes(name), () => {
-        const characters = cast.includes(name) ? cast.filter((other) => other !== name) : [...cast, name];
-        if (!characters.length) return;
-        cast = characters;
-        line.say({ kind: "Cast", characters });
-      }),
-    ),
-  );
+  const cast = message.actors.map((actor) => actor.name);
+  const chips = message.characters.map((name) =>
+    button(spoken(name), () => {
+      const characters = cast.includes(name) ? cast.filter((other) => other !== name) : [...cast, name];
+      if (characters.length) line.say({ kind: "Cast", characters });
+      else note("somebody has to be on stage");
+    }, cast.includes(name)));
+  const add = button("+ yours…", () => void guests.invite());
+  add.className = "add";
+  add.title = "A character of your own: GLB, VRM, or a ZIP of glTF or OBJ files (4)";
+  find("cast").replaceChildren(...chips, add);
 }
 
 function takes(message: StageSet): void {
   const items = [...message.takes].reverse().map((name) => {
     const item = document.createElement("li");
-    item.append(button(name.replace(/\.take$/, ""), name === take, () => void watch({ source: "take", name })));
+    item.append(button(name.replace(/\.take$/, "").replace(/^take /, ""), () => void watch("take", name), name === message.name));
     return item;
   });
   if (!items.length) {
     const none = document.createElement("li");
     none.className = "none";
-    none.textContent = "none yet: press Record";
+    none.textContent = "None yet: press Record.";
     items.push(none);
   }
   find("takes").replaceChildren(...items);
-  find("exports").replaceChildren(
-    ...message.actors.map((actor) => {
-      const link = document.createElement("a");
-      link.href = `takes/${encodeURIComponent(take)}/${actor.name}.glb`;
-      link.download = "";
-      link.textContent = `${actor.name}.glb`;
-      return link;
-    }),
-  );
 }
 
-function button(text: string, pressed: boolean, press: () => void): HTMLButtonElement {
-  const made = document.createElement("button");
-  made.textContent = text;
-  made.ariaPressed = String(pressed);
-  made.onclick = press;
-  return made;
-}
-
-function choices(select: HTMLSelectElement, names: string[], chosen: string): void {
-  select.replaceChildren(...names.map((name) => new Option(name, name, name === chosen, name === chosen)));
-}
-
-function note(text: string, level: "info" | "error"): void {
-  const line = document.createElement("p");
-  line.className = level;
-  line.textContent = text;
-  find("notes").append(line);
-  setTimeout(() => line.remove(), 6000);
+/** Begins to hear as a recording begins, and keeps what was heard with its take. */
+async function keepSound(before: StageSet | undefined, now: StageSet): Promise<void> {
+  if (now.recording && !before?.recording) {
+    const own = now.source === "camera" && listening;
+    const stream = own ? await navigator.mediaDevices.getUserMedia({ audio: true }).catch(() => undefined) : timeline.sound.stream();
+    if (own && !stream) note("no microphone can be used; the take will be silent", "error");
+    if (stream?.getAudioTracks().length) tape = new Tape(stream, own);
+  } else if (!now.recording && tape) {
+    const [heard, take] = [tape, now.takes.find((name) => !before?.takes.includes(name)) ?? now.takes.at(-1)];
+    tape = undefined;
+    if (take) await heard.keep(take);
+  }
 }
 
 function way(): void {
-  const said: Way = {
+  line.say({
     kind: "Way",
     capture: find<HTMLSelectElement>("capture").value,
     mapping: find<HTMLSelectElement>("mapping").value,
     gain: Number(find<HTMLInputElement>("gain").value),
     mirror: find<HTMLInputElement>("mirror").checked,
-  };
-  line.say(said);
+  });
 }
+
+function tab(name: "Weights" | "Faces"): void {
+  for (const [id, panel] of [["Weights", "desk"], ["Faces", "coach"]] as const) {
+    find(`tab${id}`).ariaSelected = String(id === name);
+    find(panel).hidden = id !== name;
+  }
+}
+
+const theme = () => {
+  const dark = document.documentElement.dataset.theme !== "dark";
+  document.documentElement.dataset.theme = dark ? "dark" : "light";
+};
+const microphone = () => {
+  listening = !listening;
+  find("microphone").ariaPressed = String(listening);
+};
+const record = () => { if (!find<HTMLButtonElement>("record").disabled) line.say({ kind: "Recording", on: !stage?.recording }); };
+const help = () => find<HTMLDialogElement>("keys").showModal();
 
 for (const id of ["capture", "mapping", "gain", "mirror"]) find(id).onchange = way;
 find("gain").oninput = () => { find("gainValue").textContent = Number(find<HTMLInputElement>("gain").value).toFixed(2); };
@@ -189,30 +204,35 @@ find("actor").onchange = () => {
   const actor = stage?.actors[shownActor];
   if (actor) desk.set(actor);
 };
-const learn = () => { line.say({ kind: "Learn" }); note("relax your face and hold it for a second", "info"); };
-const record = () => line.say({ kind: "Recording", on: !stage?.recording });
-const play = () => {
-  playing = !playing;
-  find("play").textContent = playing ? "❚❚" : "▶";
-  line.say({ kind: "Seek", time: place, playing });
-};
-const theme = () => {
-  const dark = document.documentElement.dataset.theme !== "dark";
-  document.documentElement.dataset.theme = dark ? "dark" : "light";
-};
-find("learn").onclick = learn;
+find("camera").onclick = () => void watch("camera");
+find("sample").onclick = () => void watch("sample");
+find("video-file").onclick = () => void upload();
+find("meet").onclick = () => void meet();
 find("record").onclick = record;
-find("play").onclick = play;
+find("microphone").onclick = microphone;
 find("theme").onclick = theme;
-find("place").oninput = () => {
-  line.say({ kind: "Seek", time: Number(find<HTMLInputElement>("place").value), playing: false });
-  playing = false;
-  find("play").textContent = "▶";
-};
+find("help").onclick = help;
+find("tabWeights").onclick = () => tab("Weights");
+find("tabFaces").onclick = () => tab("Faces");
+find("microphone").innerHTML =
+  '<svg viewBox="0 0 16 16"><rect x="5.5" y="1" width="5" height="9" rx="2.5" /><path class="line" d="M3 7.5a5 5 0 0 0 10 0M8 12.5V15" /></svg>';
+find("theme").innerHTML = '<svg viewBox="0 0 16 16"><path d="M8 1a7 7 0 1 0 0 14z" /><circle class="line" cx="8" cy="8" r="6.3" /></svg>';
 if (matchMedia("(prefers-color-scheme: dark)").matches) document.documentElement.dataset.theme = "dark";
-addEventListener("keydown", (event) => {
-  if (event.target instanceof HTMLInputElement || event.target instanceof HTMLSelectElement) return;
-  const keys: Record<string, () => void> = { n: learn, r: record, t: theme };
-  if (event.code === "Space" && stage?.source === "take") { event.preventDefault(); play(); }
-  else if (!event.ctrlKey && !event.metaKey) keys[event.key.toLowerCase()]?.();
-});
+
+const keys: Key[] = [
+  { key: "1", what: "your camera", press: () => void watch("camera") },
+  { key: "2", what: "the sample", press: () => void watch("sample") },
+  { key: "3", what: "a video from your disk", press: () => void upload() },
+  { key: "4", what: "a character of your own", press: () => void guests.invite() },
+  { key: "n", what: "hold your face at rest", press: () => { tab("Faces"); coach.rest(); } },
+  { key: "e", what: "the face you hold at this moment is an example of your own", press: () => { tab("Faces"); coach.own(); } },
+  { key: "r", what: "record, and stop", press: record },
+  { key: " ", what: "play or pause", press: () => { if (!find("timeline").hidden) timeline.toggle(); } },
+  { key: "s", what: "sound on or off", press: () => timeline.mute() },
+  { key: "m", what: "microphone on or off", press: microphone },
+  { key: "w", what: "weights", press: () => tab("Weights") },
+  { key: "f", what: "your faces", press: () => tab("Faces") },
+  { key: "t", what: "light or dark", press: theme },
+  { key: "?", what: "this list", press: help },
+];
+listen(keys);

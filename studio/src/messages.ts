@@ -22,9 +22,30 @@ export interface Way {
   mirror: boolean;
 }
 
-/** The performer's next second is their rest. */
-export interface Learn {
-  kind: "Learn";
+/** The performer holds still now: their face at rest, both eyes shut, or a face that stands for a key model or, where none is named, for what is pinned of that character. No character: all that have the key model. */
+export interface Hold {
+  kind: "Hold";
+  task: "neutral" | "lids" | "face";
+  character: string;
+  pose: string;
+}
+
+/** A held face means nothing any more. */
+export interface Forget {
+  kind: "Forget";
+  number: number;
+}
+
+/** Keep in a file what is known of the performer. */
+export interface Keep {
+  kind: "Keep";
+  name: string;
+}
+
+/** Go on with what a file tells of the performer; no name: with somebody new. */
+export interface Meet {
+  kind: "Meet";
+  name: string;
 }
 
 /** What one morph target of one character does to what it is told. */
@@ -50,25 +71,48 @@ export interface Seek {
   playing: boolean;
 }
 
-/** A character on stage: its file, and its morph targets in the order of their weights. */
+/** A character on stage: its file, its morph targets in the order of their weights, the key models it acts by, and whether it came as a VRM. */
 export interface Actor {
   name: string;
   url: string;
   targets: string[];
+  keys: string[];
+  vrm: boolean;
+}
+
+/** A face that was held: for whom, what it stands for, and how many millimetres its furthest point is from rest. */
+export interface Face {
+  character: string;
+  pose: string;
+  far: number;
 }
 
 /** Everything the page has to show. */
 export interface StageSet {
   kind: "StageSet";
+  session: string;
   actors: Actor[];
   characters: string[];
   captures: string[];
   mappings: string[];
   videos: string[];
   takes: string[];
+  performers: string[];
+  faces: Face[];
   way: Omit<Way, "kind">;
   source: "none" | "camera" | "sample" | "video" | "take";
+  name: string;
+  sound: string;
   recording: boolean;
+}
+
+/** What came of holding still. */
+export interface Learnt {
+  kind: "Learnt";
+  task: "neutral" | "lids" | "face";
+  pose: string;
+  quality: "good" | "shaky" | "refused";
+  text: string;
 }
 
 /** A line for the person in front of the page. */
@@ -78,5 +122,5 @@ export interface Note {
   level: "info" | "error";
 }
 
-export type FromPage = Look | Cast | Way | Learn | Adjust | Recording | Seek;
-export type ToPage = StageSet | Note;
+export type FromPage = Look | Cast | Way | Hold | Forget | Keep | Meet | Adjust | Recording | Seek;
+export type ToPage = StageSet | Learnt | Note;

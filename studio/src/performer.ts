@@ -1,15 +1,15 @@
 // The performer: the camera's pictures out, what is seen of them drawn over.
 
+import { find } from "./dom";
 import type { Packet } from "./packet";
 
 const QUALITY = 0.8;
-const find = <T extends HTMLElement>(id: string) => document.getElementById(id) as T;
+const STATES = { waiting: "Looking for a face at rest", following: "Following", lost: "The face is lost" };
 
 export class Performer {
   private readonly video = find<HTMLVideoElement>("video");
   private readonly picture = find<HTMLImageElement>("picture");
   private readonly overlay = find<HTMLCanvasElement>("overlay");
-  private readonly invitation = find("invitation");
   private readonly shutter = document.createElement("canvas");
   private stream?: MediaStream;
   private shown?: string;
@@ -35,11 +35,18 @@ export class Performer {
     this.stream = undefined;
     this.video.srcObject = null;
     this.picture.removeAttribute("src");
+    this.picture.hidden = true;
     this.overlay.getContext("2d")?.clearRect(0, 0, this.overlay.width, this.overlay.height);
+    this.tell("", "Nobody yet", "");
+    find("crowd").hidden = true;
   }
 
-  invite(wanted: boolean): void {
-    this.invitation.hidden = !wanted;
+  /** What the screen says while there is nothing to see. */
+  invite(source: string): void {
+    find("invitation").hidden = source !== "none" && source !== "take";
+    find("invitation").lastChild!.textContent =
+      source === "take" ? "A take keeps what was done, not the pictures." : "Your camera, a video, or the sample: choose above.";
+    find("invitation").firstElementChild!.textContent = source === "take" ? "Playing a take" : "Who performs?";
     this.video.hidden = !this.stream;
   }
 
@@ -50,28 +57,54 @@ export class Performer {
       this.picture.src = this.shown;
     }
     this.picture.hidden = !packet.picture;
-    this.draw(packet.points, packet.state === "lost");
+    this.tell(packet.state, STATES[packet.state], `${packet.late.toFixed(0)} ms`);
+    const crowd = find("crowd");
+    crowd.hidden = packet.faces < 2;
+    crowd.textContent = `Follows one of ${packet.faces} faces`;
+    this.draw(packet);
   }
 
-  private draw(points: Float32Array | undefined, lost: boolean): void {
+  private tell(state: string, words: string, late: string): void {
+    const line = find("state");
+    line.dataset.state = state;
+    // A status that says the same again would be read aloud again.
+    if (line.firstElementChild!.textContent !== words) line.firstElementChild!.textContent = words;
+    line.lastElementChild!.textContent = late;
+  }
+
+  private draw(packet: Packet): void {
     const source = this.stream ? this.video : this.picture;
-    const width = this.stream ? this.video.videoWidth : this.picture.naturalWidth;
-    const height = this.stream ? this.video.videoHeight : this.picture.naturalHeight;
+    const width = source instanceof HTMLVideoElement ? source.videoWidth : source.naturalWidth;
+    const height = source instanceof HTMLVideoElement ? source.videoHeight : source.naturalHeight;
     const canvas = this.overlay;
     const pixels = Math.min(devicePixelRatio, 2);
     canvas.width = canvas.clientWidth * pixels;
     canvas.height = canvas.clientHeight * pixels;
     const pen = canvas.getContext("2d");
-    if (!pen || !points || !width || !height || !source) return;
+    if (!pen || !width || !height) return;
     const scale = Math.min(canvas.width / width, canvas.height / height);
-    const left = (canvas.width - width * scale) / 2;
-    const top = (canvas.height - height * scale) / 2;
-    pen.fillStyle = lost ? "#ff7a59" : "#7ef0c0";
+    const x = (share = 0) => (canvas.width - width * scale) / 2 + share * width * scale;
+    const y = (share = 0) => (canvas.height - height * scale) / 2 + share * height * scale;
+    pen.fillStyle = pen.strokeStyle = packet.state === "lost" ? "#ff7a59" : "#7ef0c0";
+    pen.lineWidth = 1.5 * pixels;
+    pen.lineJoin = "round";
+    for (const curve of packet.curves) {
+      pen.beginPath();
+      for (let i = 0; i + 1 < curve.length; i += 2) pen.lineTo(x(curve[i]), y(curve[i + 1]));
+      pen.stroke();
+    }
+    const wire = packet.wire ?? [];
+    pen.lineWidth = 0.5 * pixels;
+    pen.beginPath();
+    for (let i = 0; i + 3 < wire.length; i += 4) {
+      pen.moveTo(x(wire[i]), y(wire[i + 1]));
+      pen.lineTo(x(wire[i + 2]), y(wire[i + 3]));
+    }
+    pen.stroke();
+    const points = packet.points ?? [];
     for (let i = 0; i + 1 < points.length; i += 2) {
       pen.beginPath();
-      const x = left + (points[i] ?? 0) * width * scale;
-      const y = top + (points[i + 1] ?? 0) * height * scale;
-      pen.arc(x, y, 1.4 * pixels, 0, 2 * Math.PI);
+      pen.arc(x(points[i]), y(points[i + 1]), 1.3 * pixels, 0, 2 * Math.PI);
       pen.fill();
     }
   }

@@ -1,12 +1,16 @@
 // The characters, side by side in one canvas.
 
 import {
-  ACESFilmicToneMapping, AmbientLight, DirectionalLight, HemisphereLight, Mesh, type Object3D, PerspectiveCamera,
-  Scene, WebGLRenderer,
+  ACESFilmicToneMapping, AmbientLight, Box3, DirectionalLight, HemisphereLight, Mesh, type Object3D, PerspectiveCamera,
+  Scene, Vector3, WebGLRenderer,
 } from "three";
 import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 import type { Actor } from "./messages";
 import type { Acting } from "./packet";
+
+/** Metres from the eyes to the top of the head and to the side, for whom the camera stands where it does. */
+const USUAL = { above: 0.135, aside: 0.115 };
+const FARTHEST = 1.9;
 
 /** Rows of the weights that move each mesh, in the mesh's own order. */
 interface Moved { mesh: Mesh; rows: number[] }
@@ -20,7 +24,7 @@ class Player {
 
   constructor(readonly actor: Actor) {
     this.camera.position.set(0, 0.0, 1.28);
-    this.camera.lookAt(0, -0.025, -0.04);
+    this.camera.lookAt(0, -0.04, -0.04);
     const key = new DirectionalLight(0xfff1e0, 2.6);
     key.position.set(-0.6, 0.7, 0.9);
     const fill = new DirectionalLight(0xcfe0ff, 0.9);
@@ -45,6 +49,17 @@ class Player {
       }
     });
     this.scene.add(scene);
+    this.stepBack(scene);
+  }
+
+  /** Whoever has long ears or a wide head is seen from farther away. */
+  private stepBack(scene: Object3D): void {
+    const head = scene.getObjectByName("head");
+    if (!head) return;
+    const box = new Box3().setFromObject(head);
+    const reach = box.getSize(new Vector3());
+    const away = Math.max(box.max.y / USUAL.above, reach.x / 2 / USUAL.aside, 1);
+    this.camera.position.z *= Math.min(away, FARTHEST);
   }
 
   act(acting: Acting): void {
@@ -100,11 +115,11 @@ export class Theatre {
 
   /** Puts `actors` on stage; those who stay are not loaded again. */
   async set(actors: Actor[]): Promise<void> {
-    const kept = new Map(this.players.map((player) => [player.actor.name, player]));
-    const fresh = actors.filter((actor) => !kept.has(actor.name)).map((actor) => new Player(actor));
+    const kept = new Map(this.players.map((player) => [player.actor.url, player]));
+    const fresh = actors.filter((actor) => !kept.has(actor.url)).map((actor) => new Player(actor));
     await Promise.all(fresh.map((player) => player.load(this.loader)));
-    for (const player of fresh) kept.set(player.actor.name, player);
-    this.players = actors.flatMap((actor) => kept.get(actor.name) ?? []);
+    for (const player of fresh) kept.set(player.actor.url, player);
+    this.players = actors.flatMap((actor) => kept.get(actor.url) ?? []);
     this.fit();
   }
 
@@ -151,7 +166,7 @@ export class Theatre {
       if (!player) return;
       player.camera.aspect = cell.w / cell.h;
       // A narrow cell keeps the whole face in view.
-      player.camera.fov = 16 * Math.max(1, 0.82 / player.camera.aspect);
+      player.camera.fov = 16 * Math.max(1, 0.72 / player.camera.aspect);
       player.camera.updateProjectionMatrix();
       this.renderer.setViewport(cell.x, height - cell.y - cell.h, cell.w, cell.h);
       this.renderer.setScissor(cell.x, height - cell.y - cell.h, cell.w, cell.h);

@@ -65,7 +65,8 @@ def main() -> None:
         seen["weights_moved"] = moving(page, 6.0)
         seen["canvas_changed"] = stage.screenshot() != before
         page.screenshot(path=f"{folder}/camera.png")
-        page.click("#learn")
+        page.click("#tabFaces")
+        page.click("#poses button[data-pose=neutral]")
         page.wait_for_selector("#state[data-state=waiting]")
         page.wait_for_selector("#state[data-state=following]")
         page.click("#record")

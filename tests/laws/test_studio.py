@@ -20,14 +20,14 @@ from starlette.websockets import WebSocketDisconnect
 
 from mien.errors import InputError
 from mien.face.library import load_character
-from mien.face.pieces import split
 from mien.formats.takes.recording import Recorder
 from mien.live.studio import messages, packet
 from mien.live.studio.adjust import Desk
 from mien.live.studio.messages import Adjust, Note, decode, encode
 from mien.live.studio.safety import LOOPBACK, Rules
 from mien.live.studio.server import MOST_PAGES, studio
-from mien.live.studio.shelf import Shelf
+from mien.live.studio.shelf import VIDEOS, Shelf
+from mien.live.studio.troupe import targets
 from mien.performance.arkit_frame import ArkitFrame, performance_of
 from mien.performance.performance import Performance
 from mien.recipe import animate
@@ -89,7 +89,7 @@ def test_messages_come_back() -> None:
         "[]",
         "null",
         '{"kind": "Nothing"}',
-        '{"kind": "Learn", "more": 1}',
+        '{"kind": "Forget", "number": 1, "more": 1}',
         '{"kind": "Seek", "time": "soon", "playing": true}',
         '{"kind": "Seek", "time": 1e300, "playing": true}',
         '{"kind": "Cast", "characters": "man"}',
@@ -106,11 +106,16 @@ def test_messages_that_are_none_are_refused(text: str) -> None:
 def test_a_packet_says_its_own_layout() -> None:
     toy = load_character("toy")
     curves = animate(smiling(), toy)
-    body = packet.packet([packet.moment(1.5, 7.0, "following"), packet.character(3, curves)])
+    body = packet.packet(
+        [packet.moment(1.5, 7.0, "following"), packet.character(3, curves, targets(toy))]
+    )
     sections = dict(packet.unpack(body))
     assert struct.unpack("<dfI", sections["MOMT"]) == (1.5, 7.0, 1)
     numbers = np.frombuffer(sections["C003"], "<f4")
-    assert len(numbers) == 15 + len(split(toy).names)
+    assert len(numbers) == 15 + len(targets(toy))
+    row = curves.names.index("smile_mouth_L")
+    said = numbers[15 + targets(toy).index("smile_mouth_L")]
+    assert said == pytest.approx(curves.weights[0, row], abs=1e-6)
     np.testing.assert_allclose(numbers[:4], [0, 0, 0, 1], atol=1e-6)
     with pytest.raises(ValueError, match="longer"):
         list(packet.unpack(body[:-1]))
@@ -150,7 +155,7 @@ def test_a_page_plays_a_take_and_exports_it(client: TestClient, shelf: Shelf) ->
             if place == length:
                 break
     man = load_character("man")
-    smile = weights[split(man).names.index("smile_mouth_L")]
+    smile = weights[targets(man).index("smile_mouth_L")]
     assert smile > 0.3
     glb = client.get(f"/takes/{name}/man.glb")
     assert glb.status_code == 200
@@ -181,7 +186,7 @@ def test_characters_come_with_the_targets_of_their_weights(client: TestClient) -
     size = struct.unpack_from("<I", answer.content, 12)[0]
     document = json.loads(answer.content[20 : 20 + size])
     named = [mesh["extras"]["targetNames"] for mesh in document["meshes"] if "extras" in mesh]
-    assert set().union(*named) == set(split(load_character("toy")).names)
+    assert set().union(*named) == set(targets(load_character("toy")))
 
 
 def test_only_this_host_and_this_page_are_answered(client: TestClient) -> None:
@@ -243,7 +248,7 @@ def test_a_flood_is_refused_and_forgiven(client: TestClient) -> None:
     with client.websocket_connect("/live") as socket:
         told(socket, "StageSet")
         for _ in range(2000):
-            socket.send_text('{"kind": "Learn"}')
+            socket.send_text('{"kind": "Seek", "time": 0, "playing": true}')
         socket.send_text('{"kind": "Cast", "characters": ["woman"]}')
         for _ in range(20):
             time.sleep(0.05)
@@ -254,4 +259,4 @@ def test_a_flood_is_refused_and_forgiven(client: TestClient) -> None:
 def test_a_shelf_has_names_only_for_what_it_keeps(shelf: Shelf) -> None:
     for name in ("../a.mp4", "/etc/passwd", "a/b.mp4", "", "x" * 300 + ".mp4"):
         with pytest.raises(InputError):
-            shelf.video(name)
+            shelf.there(name, VIDEOS)

@@ -33,6 +33,12 @@ def beside(curves: Curves, performance: Performance, character: Character) -> Cu
     return replace(curves, names=names, weights=weights)
 
 
+def driven_beside(character: Character) -> tuple[str, ...]:
+    """Key models of ``character`` that ``beside`` may set, whoever performs."""
+    told = (key for scalar in OUTRIGHT for key in _answering(scalar, character))
+    return tuple(dict.fromkeys((*character.looks.values(), *told)))
+
+
 def _looks(gaze: Array, looks: Mapping[str, str]) -> dict[str, Array]:
     """(F,) of each key model in ``looks`` ("left", "right", "up", "down", the subject's), from
     the mean gaze of both eyes."""
@@ -43,10 +49,16 @@ def _looks(gaze: Array, looks: Mapping[str, str]) -> dict[str, Array]:
 
 def _told(performance: Performance, character: Character) -> dict[str, Array]:
     """(F,) of each key model that answers to a scalar of ``performance``."""
-    speaks = character.speaks.get("arkit", {})
     return {
         key: np.clip(np.nan_to_num(performance.scalars[scalar]), 0.0, 1.0)
-        for scalar, word in OUTRIGHT.items()
+        for scalar in OUTRIGHT
         if scalar in performance.scalars
-        for key in ((scalar,) if scalar in character.keys.names else speaks.get(word, ()))
+        for key in _answering(scalar, character)
     }
+
+
+def _answering(scalar: str, character: Character) -> tuple[str, ...]:
+    """Key models that answer to a scalar."""
+    if scalar in character.keys.names:
+        return (scalar,)
+    return character.speaks.get("arkit", {}).get(OUTRIGHT[scalar], ())

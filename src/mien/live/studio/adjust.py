@@ -23,6 +23,14 @@ class Desk:
         else:
             self._held[key] = adjust
 
+    def pinned(self, character: str) -> dict[str, float]:
+        """What is pinned of a character, above 0."""
+        return {
+            target: adjust.pinned
+            for (name, target), adjust in self._held.items()
+            if name == character and adjust.pinned
+        }
+
     def __call__(self, curves: Mapping[str, Curves]) -> dict[str, Curves]:
         """The adjusted curves of one frame, by character."""
         return {name: self._adjusted(name, each) for name, each in curves.items()}

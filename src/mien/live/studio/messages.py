@@ -16,6 +16,7 @@ MAX_ITEMS = 64
 MAX_MESSAGE = MAX_ITEMS * (MAX_TEXT + 8)
 
 SourceKind = Literal["none", "camera", "sample", "video", "take"]
+Task = Literal["neutral", "lids", "face"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,8 +46,35 @@ class Way:
 
 
 @dataclass(frozen=True, slots=True)
-class Learn:
-    """The performer's next second is their rest."""
+class Hold:
+    """The performer holds still now: their face at rest, both eyes shut, or a face that stands for
+    a key model or, where none is named, for what is pinned of that character. No character: all
+    that have the key model."""
+
+    task: Task
+    character: str
+    pose: str
+
+
+@dataclass(frozen=True, slots=True)
+class Forget:
+    """A held face means nothing any more."""
+
+    number: int
+
+
+@dataclass(frozen=True, slots=True)
+class Keep:
+    """Keep in a file what is known of the performer."""
+
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class Meet:
+    """Go on with what a file tells of the performer; no name: with somebody new."""
+
+    name: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,26 +105,54 @@ class Seek:
 
 @dataclass(frozen=True, slots=True)
 class Actor:
-    """A character on stage: its file, and its morph targets in the order of their weights."""
+    """A character on stage: its file, its morph targets in the order of their weights, the key
+    models it acts by, and whether it came as a VRM."""
 
     name: str
     url: str
     targets: list[str]
+    keys: list[str]
+    vrm: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Face:
+    """A face that was held: for whom, what it stands for, and how many millimetres its furthest
+    point is from rest."""
+
+    character: str
+    pose: str
+    far: float
 
 
 @dataclass(frozen=True, slots=True)
 class StageSet:
     """Everything the page has to show."""
 
+    session: str
     actors: list[Actor]
     characters: list[str]
     captures: list[str]
     mappings: list[str]
     videos: list[str]
     takes: list[str]
+    performers: list[str]
+    faces: list[Face]
     way: Way
     source: SourceKind
+    name: str
+    sound: str
     recording: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Learnt:
+    """What came of holding still."""
+
+    task: Task
+    pose: str
+    quality: Literal["good", "shaky", "refused"]
+    text: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,14 +163,16 @@ class Note:
     level: Literal["info", "error"]
 
 
-FROM_PAGE = (Look, Cast, Way, Learn, Adjust, Recording, Seek)
-TO_PAGE = (StageSet, Note)
-Message = Look | Cast | Way | Learn | Adjust | Recording | Seek
+FROM_PAGE = (Look, Cast, Way, Hold, Forget, Keep, Meet, Adjust, Recording, Seek)
+TO_PAGE = (StageSet, Learnt, Note)
+PARTS = (Actor, Face)
+Message = Look | Cast | Way | Hold | Forget | Keep | Meet | Adjust | Recording | Seek
+Told = StageSet | Learnt | Note
 
 _NAMES = {kind.__name__: kind for kind in FROM_PAGE}
 
 
-def encode(message: StageSet | Note) -> str:
+def encode(message: Told) -> str:
     """As JSON, with its name as "kind"."""
     return json.dumps({"kind": type(message).__name__, **asdict(message)})
 
@@ -147,6 +205,8 @@ def _checked(value: Any, hint: Any, name: str) -> Any:
     elif hint is float:
         valid = isinstance(value, int | float) and not isinstance(value, bool)
         valid = valid and abs(value) < 1e9
+    elif hint is int:
+        valid = isinstance(value, int) and not isinstance(value, bool) and abs(value) < 1e9
     elif hint is str:
         valid = isinstance(value, str) and len(value) <= MAX_TEXT
     else:
@@ -158,12 +218,12 @@ def _checked(value: Any, hint: Any, name: str) -> Any:
 
 def typescript() -> str:
     """The messages as TypeScript."""
-    shown = (*FROM_PAGE, Actor, *TO_PAGE)
+    shown = (*FROM_PAGE, *PARTS, *TO_PAGE)
     lines = ["// Made by python -m mien.live.studio.messages: do not edit.", ""]
     for kind in shown:
         doc = " ".join((kind.__doc__ or "").split())
         lines += [f"/** {doc} */", f"export interface {kind.__name__} {{"]
-        if kind is not Actor:
+        if kind not in PARTS:
             lines.append(f'  kind: "{kind.__name__}";')
         hints = get_type_hints(kind)
         lines += [f"  {field.name}: {_script(hints[field.name])};" for field in fields(kind)]
@@ -181,7 +241,7 @@ def _script(hint: Any) -> str:
         return f"{_script(choices[0])} | null"
     if origin is list:
         return f"{_script(choices[0])}[]"
-    plain = {float: "number", bool: "boolean", str: "string"}
+    plain = {float: "number", int: "number", bool: "boolean", str: "string"}
     return plain.get(hint) or (
         f'Omit<{hint.__name__}, "kind">' if hint in FROM_PAGE else hint.__name__
     )

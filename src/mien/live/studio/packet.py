@@ -5,7 +5,11 @@
 
     MOMT   float64 time of the source, float32 ms late, uint32 state
     PLAY   float64 place in the take and its length, seconds
+    CROW   uint32 faces in view, where there are several
+    HOLD   float32 how much of a face that is held has been seen, 0..1
     PNTS   float32 pairs: tracked points, 0..1 of the picture's width and height
+    LINE   the same: points of one tracked curve; as many sections as there are curves
+    WIRE   the same: two for each edge of a fitted mesh
     JPEG   the performer's picture, where the browser does not have it
     C000   float32: head quaternion (4), place (3, metres), eye quaternions (4 + 4), weights
     C001   the same of the second character ...
@@ -16,13 +20,13 @@ Who reads passes over sections it does not know.
 from __future__ import annotations
 
 import struct
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from mien.numeric.rotation import from_gaze, to_quaternion
 from mien.performance.curves import Curves
+from mien.performance.trace import Trace
 
 MAGIC, VERSION = b"MIEN", 1
 STATES = ("waiting", "following", "lost")
@@ -61,19 +65,31 @@ def playing(place: float, length: float) -> tuple[str, bytes]:
     return "PLAY", struct.pack("<dd", place, length)
 
 
-def points(places: NDArray[np.floating], size: tuple[int, int]) -> tuple[str, bytes]:
-    """Tracked points (N, 2) in pixels of a picture (width, height)."""
-    return "PNTS", (places / np.array(size)).astype("<f4").tobytes()
+def holding(share: float) -> tuple[str, bytes]:
+    """How much of a face that is held has been seen, 0..1."""
+    return "HOLD", struct.pack("<f", share)
 
 
-def character(number: int, curves: Curves) -> tuple[str, bytes]:
-    """The one frame of ``curves`` of the ``number``-th character on stage."""
+def traced(trace: Trace, size: tuple[int, int]) -> list[tuple[str, bytes]]:
+    """What was seen in a picture (width, height) pixels."""
+    sections = [("CROW", struct.pack("<I", trace.faces))] if trace.faces > 1 else []
+    tagged = [("PNTS", trace.points), *(("LINE", curve) for curve in trace.curves.values())]
+    tagged += [("WIRE", trace.wire)] if len(trace.wire) else []
+    for tag, places in tagged:
+        sections.append((tag, (places / np.array(size)).astype("<f4").tobytes()))
+    return sections
+
+
+def character(number: int, curves: Curves, names: Sequence[str]) -> tuple[str, bytes]:
+    """The one frame of ``curves`` of the ``number``-th character on stage, whose weights are told
+    in the order of ``names``; what the curves do not name is 0."""
+    weight = dict(zip(curves.names, curves.weights[0], strict=True))
     numbers = np.concatenate(
         [
             to_quaternion(curves.rotation[0]),
             curves.translation[0] * _METRES,
             to_quaternion(from_gaze(curves.gaze[0])).ravel(),
-            curves.weights[0],
+            [weight.get(name, 0.0) for name in names],
         ]
     )
     return f"C{number:03d}", numbers.astype("<f4").tobytes()

@@ -2,19 +2,30 @@
 
 GET  /                       the page
 GET  /characters/NAME.glb    a character, its morph targets in the order of the weights
+PUT  /characters/FILE        bring a character: says its name, or that nobody's face was found
+GET  /models/FILE            a character that was brought, as it is, to point at its features
+PUT  /models/FILE/points     ... and the places that were pointed at
+GET  /points/NAME.toml       ... as 'mien character import --points' takes them
 PUT  /videos/NAME            keep an uploaded video
+GET  /videos/NAME            its sound, for the page to play
+PUT  /performers/NAME        bring what is known of a performer
+GET  /performers/NAME        ... and take it along
 GET  /takes/NAME             a recorded take
-GET  /takes/NAME/NAME.glb    the take acted by a character
+PUT  /takes/NAME/sound       what was heard while it was recorded
+GET  /takes/NAME/sound
+GET  /takes/NAME/NAME.KIND   the take acted by a character, as GLB or a table
 WS   /live                   messages as JSON, pictures in and frames out as bytes
 """
 
 from __future__ import annotations
 
 import asyncio
+import json
 import tempfile
 from collections import deque
+from collections.abc import Awaitable, Callable, Mapping, Sequence
 from contextlib import suppress
-from functools import lru_cache
+from dataclasses import asdict
 from pathlib import Path
 
 from starlette.applications import Starlette
@@ -28,14 +39,23 @@ from starlette.routing import Mount, Route, WebSocketRoute
 from starlette.staticfiles import StaticFiles
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from mien.errors import MienError
-from mien.face.library import CHARACTERS, load_character
-from mien.face.pieces import split
-from mien.formats.gltf.glb import write_glb
-from mien.live.studio.messages import Note, StageSet, decode, encode
+from mien.errors import InputError, MienError
+from mien.formats.save import save
+from mien.live.studio.admission import admit, as_it_is
+from mien.live.studio.messages import Note, Told, decode, encode
 from mien.live.studio.safety import Guard, Rules
 from mien.live.studio.session import Session
-from mien.live.studio.shelf import Shelf
+from mien.live.studio.shelf import (
+    MODELS,
+    PERFORMERS,
+    POINTS,
+    SOUNDS,
+    TAKES,
+    VIDEOS,
+    Kind,
+    Shelf,
+)
+from mien.live.studio.troupe import Troupe
 from mien.recipe import animate
 
 PAGE = Path(__file__).with_name("page")
@@ -43,16 +63,31 @@ PAGE = Path(__file__).with_name("page")
 MOST_PAGES = 4
 _MOST_WAITING = 64
 """Messages that wait for a page that does not read; frames never wait."""
+_LARGEST_NOTE = 1 << 16
+EXPORTS = frozenset((".glb", ".csv", ".vrma"))
+
+Handler = Callable[[Request], Awaitable[Response]]
+Picks = Mapping[str, Sequence[float]]
 
 
 def studio(shelf: Shelf, rules: Rules, page: Path = PAGE) -> Starlette:
     """The application. Without a built ``page`` it says so where the page would be."""
     server = _Server(shelf)
+    put = ["PUT"]
     routes = [
-        Route("/characters/{name}.glb", server.character),
-        Route("/videos/{name}", server.upload, methods=["PUT"]),
-        Route("/takes/{take}/{name}.glb", server.acted),
-        Route("/takes/{take}", server.take),
+        Route("/characters/{name}.glb", server.character, methods=["GET"]),
+        Route("/characters/{file}", server.bring, methods=put),
+        Route("/models/{file}", server.model),
+        Route("/models/{file}/points", server.point, methods=put),
+        Route("/points/{file}", server.download(POINTS)),
+        Route("/videos/{file}", server.upload(VIDEOS), methods=put),
+        Route("/videos/{file}", server.download(VIDEOS)),
+        Route("/performers/{file}", server.upload(PERFORMERS), methods=put),
+        Route("/performers/{file}", server.download(PERFORMERS)),
+        Route("/takes/{take}/sound", server.keep_sound, methods=put),
+        Route("/takes/{take}/sound", server.sound),
+        Route("/takes/{take}/{name}.{kind}", server.acted),
+        Route("/takes/{file}", server.download(TAKES)),
         WebSocketRoute("/live", server.live),
     ]
     if (page / "index.html").is_file():
@@ -78,53 +113,98 @@ async def _told(request: Request, error: Exception) -> Response:
 
 class _Server:
     def __init__(self, shelf: Shelf) -> None:
-        self._shelf = shelf
-        self._open = 0
+        self._shelf, self._troupe = shelf, Troupe(shelf)
+        self._sessions: dict[str, Session] = {}
+        self._admitting = asyncio.Lock()
 
     async def character(self, request: Request) -> Response:
         """A character without a take."""
-        name = _cast(request)
-        return Response(await run_in_threadpool(_still, name), media_type="model/gltf-binary")
+        name = request.path_params["name"]
+        if name not in self._troupe.names():
+            raise HTTPException(404)
+        body = await run_in_threadpool(self._troupe.still, name)
+        return Response(body, media_type="model/gltf-binary")
 
-    async def upload(self, request: Request) -> Response:
-        """Keep a video."""
-        path = await self._shelf.keep(request.path_params["name"], request.stream())
+    async def bring(self, request: Request) -> Response:
+        """Somebody's character."""
+        path = await self._shelf.keep(request.path_params["file"], MODELS, request.stream())
+        return await self._admitted(path.name, None)
+
+    async def model(self, request: Request) -> Response:
+        """A character as it was brought."""
+        body = await run_in_threadpool(as_it_is, self._shelf, request.path_params["file"])
+        return Response(body, media_type="model/gltf-binary")
+
+    async def point(self, request: Request) -> Response:
+        """Where the features of a character are."""
+        return await self._admitted(request.path_params["file"], await _picks(request))
+
+    async def _admitted(self, model: str, picks: Picks | None) -> Response:
+        async with self._admitting:
+            admitted = await run_in_threadpool(admit, self._shelf, model, picks)
+        return JSONResponse(asdict(admitted))
+
+    def upload(self, kind: Kind) -> Handler:
+        """Keep a file of a kind."""
+
+        async def keep(request: Request) -> Response:
+            path = await self._shelf.keep(request.path_params["file"], kind, request.stream())
+            return JSONResponse({"name": path.name})
+
+        return keep
+
+    def download(self, kind: Kind) -> Handler:
+        """Hand out a file of a kind, as it is."""
+
+        async def hand(request: Request) -> Response:
+            path = self._shelf.there(request.path_params["file"], kind)
+            return FileResponse(path, filename=path.name)
+
+        return hand
+
+    async def keep_sound(self, request: Request) -> Response:
+        """What was heard during a take."""
+        path = self._shelf.sound(request.path_params["take"])
+        await self._shelf.keep(path.name, SOUNDS, request.stream())
         return JSONResponse({"name": path.name})
 
-    async def take(self, request: Request) -> Response:
-        """A recording as it was written."""
-        name = request.path_params["take"]
-        await run_in_threadpool(self._shelf.take, name)
-        return FileResponse(self._shelf.folder / name, filename=name)
+    async def sound(self, request: Request) -> Response:
+        """The same, to hear it again."""
+        path = self._shelf.sound(request.path_params["take"])
+        if not path.is_file():
+            raise HTTPException(404)
+        return FileResponse(path, media_type="audio/wav")
 
     async def acted(self, request: Request) -> Response:
-        """A recording, acted by a character."""
-        name, take = _cast(request), request.path_params["take"]
-        path = await run_in_threadpool(self._act, take, name)
+        """A recording, acted by a character the way a page has it."""
+        take, name, kind = (request.path_params[part] for part in ("take", "name", "kind"))
+        if f".{kind}" not in EXPORTS or name not in self._troupe.names():
+            raise HTTPException(404)
+        session = self._sessions.get(request.query_params.get("session", ""))
+        path = await run_in_threadpool(self._act, take, name, kind, session)
         return FileResponse(
             path,
-            media_type="model/gltf-binary",
-            filename=f"{Path(take).stem} {name}.glb",
+            filename=f"{Path(take).stem} {name}.{kind}",
             background=BackgroundTask(path.unlink, missing_ok=True),
         )
 
-    def _act(self, take: str, name: str) -> Path:
-        character = load_character(name)
-        curves = animate(self._shelf.take(take), character)
-        with tempfile.NamedTemporaryFile(suffix=".glb", delete=False) as file:
+    def _act(self, take: str, name: str, kind: str, session: Session | None) -> Path:
+        performance, character = self._shelf.take(take), self._troupe.character(name)
+        act = session.act if session is not None else animate
+        curves = act(performance, character)
+        with tempfile.NamedTemporaryFile(suffix=f".{kind}", delete=False) as file:
             path = Path(file.name)
-        write_glb(path, character, curves)
-        return path
+        return save(curves, path, character)
 
     async def live(self, socket: WebSocket) -> None:
         """One page's socket."""
-        if self._open >= MOST_PAGES:
+        if len(self._sessions) >= MOST_PAGES:
             await socket.close(4429, f"{MOST_PAGES} pages are open already")
             return
-        await socket.accept()
-        self._open += 1
         outbox = _Outbox(asyncio.get_running_loop())
-        session = Session(self._shelf, outbox.put)
+        session = Session(self._shelf, self._troupe, outbox.put)
+        self._sessions[session.name] = session
+        await socket.accept()
         session.start()
         sending = asyncio.create_task(outbox.empty_into(socket))
         try:
@@ -132,7 +212,7 @@ class _Server:
         finally:
             sending.cancel()
             await run_in_threadpool(session.stop)
-            self._open -= 1
+            del self._sessions[session.name]
             with suppress(RuntimeError, WebSocketDisconnect):
                 await socket.close()
 
@@ -162,12 +242,12 @@ class _Outbox:
         self._frame: bytes | None = None
         self._filled = asyncio.Event()
 
-    def put(self, item: StageSet | Note | bytes) -> None:
+    def put(self, item: Told | bytes) -> None:
         """From any thread."""
         with suppress(RuntimeError):  # the server has gone
             self._loop.call_soon_threadsafe(self._put, item)
 
-    def _put(self, item: StageSet | Note | bytes) -> None:
+    def _put(self, item: Told | bytes) -> None:
         if isinstance(item, bytes):
             self._frame = item
         else:
@@ -187,18 +267,15 @@ class _Outbox:
                     await socket.send_bytes(frame)
 
 
-def _cast(request: Request) -> str:
-    name: str = request.path_params["name"]
-    if name not in CHARACTERS:
-        raise HTTPException(404)
-    return name
-
-
-@lru_cache(maxsize=len(CHARACTERS))
-def _still(name: str) -> bytes:
-    """A character's GLB whose morph targets are its pieces."""
-    character = load_character(name)
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "a.glb"
-        write_glb(path, character, names=split(character).names)
-        return path.read_bytes()
+async def _picks(request: Request) -> Picks:
+    """Feature points as a page sends them. Raises InputError."""
+    body = b""
+    async for chunk in request.stream():
+        body += chunk
+        if len(body) > _LARGEST_NOTE:
+            raise InputError("more points than a face has")
+    try:
+        told = json.loads(body)["points"]
+        return {str(name): [float(x) for x in place] for name, place in told.items()}
+    except (LookupError, ValueError, TypeError, AttributeError, RecursionError) as error:
+        raise InputError("these are no feature points") from error

@@ -9,35 +9,48 @@ from functools import singledispatchmethod
 from importlib import resources
 from pathlib import Path
 from queue import Empty, Full, Queue
+from secrets import token_urlsafe
 from threading import Event, Thread
 from time import perf_counter
+from urllib.parse import quote
 
-from mien.capture.stepping import STEPPERS, Stepper
+from mien.capture.known import landmark_section
+from mien.capture.stepping import STEPPERS, LandmarkStepper, Stepper, meet
 from mien.errors import InputError, MienError
-from mien.face.library import CHARACTERS, load_character
-from mien.face.pieces import split
+from mien.face.character import Character
+from mien.formats.performer_file import read_performer, write_performer
 from mien.formats.takes.recording import Recorder
 from mien.live.stage import Moment, Stage
 from mien.live.studio import packet
 from mien.live.studio.adjust import Desk
+from mien.live.studio.coach import HELD, Coach
 from mien.live.studio.messages import (
     Actor,
     Adjust,
     Cast,
-    Learn,
+    Forget,
+    Hold,
+    Keep,
+    Learnt,
     Look,
+    Meet,
     Message,
     Note,
     Recording,
     Seek,
-    SourceKind,
     StageSet,
+    Told,
     Way,
 )
-from mien.live.studio.shelf import Shelf
-from mien.live.studio.sources import Arrived, Film, PageCamera, Source, Tape
+from mien.live.studio.shelf import PERFORMERS, TAKES, VIDEOS, Shelf
+from mien.live.studio.sources import Arrived, Film, PageCamera, Recorded, Source, Tape
+from mien.live.studio.troupe import Troupe, targets
 from mien.mapping import MAPPERS, Settings
+from mien.performance.curves import Curves
 from mien.performance.frame import Frame
+from mien.performance.performance import Performance
+from mien.performance.performer import Performer
+from mien.recipe import animate
 
 MOST_ON_STAGE = 4
 LARGEST_PICTURE = 4 * 2**20
@@ -45,23 +58,27 @@ _WAITING = 64
 """Messages of the page that may wait."""
 _PATIENCE = 0.05
 
-Tell = Callable[[str | bytes], None]
+Tell = Callable[[Told | bytes], None]
 """Sends to the page; must not wait. Of frames the newest counts."""
 
 
 class Session:
     """What one page does. Safe to talk to from the server's thread."""
 
-    def __init__(self, shelf: Shelf, tell: Callable[[StageSet | Note | bytes], None]) -> None:
-        self._shelf, self._tell = shelf, tell
+    def __init__(self, shelf: Shelf, troupe: Troupe, tell: Tell) -> None:
+        self.name = token_urlsafe(9)
+        """Nobody else's page knows it."""
+        self._shelf, self._troupe, self._tell = shelf, troupe, tell
         self._way = Way(next(iter(STEPPERS)), next(iter(MAPPERS)), 1.0, False)
-        self._characters = list(CHARACTERS[:2])
+        self._characters = troupe.names()[:2]
         self._source: Source | None = None
-        self._kind: SourceKind = "none"
+        self._look = Look("none")
         self._camera = PageCamera()
         self._stepper: Stepper | None = None
         self._stage = Stage()
         self._desk = Desk()
+        self._coach = Coach()
+        self._performer = Performer()
         self._recorder: Recorder | None = None
         self._recording: Path | None = None
         self._messages: Queue[Message] = Queue(_WAITING)
@@ -76,6 +93,19 @@ class Session:
         """End the work, and wait until nothing is held any more."""
         self._stop.set()
         self._thread.join()
+
+    def act(self, take: Performance, character: Character) -> Curves:
+        """What a character makes of a take, the way this page has it; from any thread. Raises
+        InputError."""
+        way, faces = self._way, tuple(self._coach.faces)
+        curves = animate(
+            take,
+            character,
+            mapping=way.mapping,
+            gain=way.gain,
+            own=[face for face in faces if len(face.motion) == len(take.points)] or None,
+        )
+        return self._desk({character.name: curves})[character.name]
 
     def hear(self, message: Message) -> None:
         """What the page asks for. Raises InputError where it asks faster than can be done."""
@@ -106,16 +136,16 @@ class Session:
         finally:
             self._finish_recording()
             self._look_away()
-            if self._stepper is not None:
-                self._stepper.close()
+            self._forget_stepper()
 
     def _obey(self) -> None:
         while True:
             try:
-                message = self._messages.get_nowait()
+                self._do(self._messages.get_nowait())
             except Empty:
                 return
-            self._do(message)
+            except MienError as error:
+                self._tell(Note(str(error), "error"))
 
     @singledispatchmethod
     def _do(self, message: Message) -> None:
@@ -124,7 +154,7 @@ class Session:
     @_do.register
     def _(self, message: Cast) -> None:
         wanted = list(dict.fromkeys(message.characters))
-        if not 0 < len(wanted) <= MOST_ON_STAGE or not set(wanted) <= set(CHARACTERS):
+        if not 0 < len(wanted) <= MOST_ON_STAGE or not set(wanted) <= set(self._troupe.names()):
             raise InputError(f"on stage there is room for 1 to {MOST_ON_STAGE} of the cast")
         self._characters = wanted
         self._set_stage()
@@ -135,14 +165,51 @@ class Session:
             raise InputError("there is no such capture or mapping")
         again = message.capture != self._way.capture or message.mirror != self._way.mirror
         self._way = message
-        if again and self._stepper is not None:
-            self._stepper.close()
-            self._stepper = None
+        if again:
+            self._forget_stepper()
         self._set_stage()
 
     @_do.register
-    def _(self, message: Learn) -> None:
-        self._stage.learn()
+    def _(self, message: Hold) -> None:
+        try:
+            self._coach.ask(message, self._pose(message) if message.task == "face" else {})
+        except InputError as error:
+            self._tell(Learnt(message.task, message.pose, "refused", str(error)))
+            return
+        if message.task == "neutral":
+            self._stage.learn()
+
+    @_do.register
+    def _(self, message: Forget) -> None:
+        if 0 <= message.number < len(self._coach.faces):
+            self._coach.faces.pop(message.number)
+            self._set_stage()
+
+    @_do.register
+    def _(self, message: Keep) -> None:
+        path = self._shelf.place(f"{message.name}.performer", PERFORMERS)
+        known = self._stepper.known if isinstance(self._stepper, LandmarkStepper) else None
+        write_performer(
+            replace(
+                self._performer,
+                landmarks=landmark_section(known) if known else self._performer.landmarks,
+                held=tuple(self._coach.faces),
+                source=self._performer.source or "mien studio",
+            ),
+            path,
+        )
+        self._announce()
+
+    @_do.register
+    def _(self, message: Meet) -> None:
+        self._performer = (
+            read_performer(self._shelf.there(message.name, PERFORMERS))
+            if message.name
+            else Performer()
+        )
+        self._coach = Coach(list(self._performer.held))
+        self._forget_stepper()
+        self._set_stage()
 
     @_do.register
     def _(self, message: Adjust) -> None:
@@ -152,7 +219,7 @@ class Session:
     def _(self, message: Look) -> None:
         self._look_away()
         self._source = self._opened(message)
-        self._kind = message.source
+        self._look = message
         self._set_stage()
 
     @_do.register
@@ -164,7 +231,7 @@ class Session:
 
     @_do.register
     def _(self, message: Seek) -> None:
-        if isinstance(self._source, Tape):
+        if isinstance(self._source, Recorded):
             self._source.seek(message.time, message.playing)
 
     def _opened(self, look: Look) -> Source | None:
@@ -175,7 +242,7 @@ class Session:
             with resources.as_file(resources.files("mien").joinpath("data", "sample.mp4")) as path:
                 return Film(path, self._way.mirror)
         if look.source == "video":
-            return Film(self._shelf.video(look.name), self._way.mirror)
+            return Film(self._shelf.there(look.name, VIDEOS), self._way.mirror)
         if look.source == "take":
             return Tape(self._shelf.take(look.name))
         return None
@@ -183,38 +250,71 @@ class Session:
     def _look_away(self) -> None:
         if self._source is not None:
             self._source.close()
-        self._source, self._kind = None, "none"
+        self._source, self._look = None, Look("none")
+
+    def _forget_stepper(self) -> None:
+        if self._stepper is not None:
+            self._stepper.close()
+        self._stepper = None
+
+    def _pose(self, hold: Hold) -> dict[str, float]:
+        """What a face that is held stands for. Raises InputError where nobody could show it."""
+        if not hold.pose:
+            pinned = self._desk.pinned(hold.character)
+            if not pinned:
+                raise InputError("nothing is pinned: drag weights first")
+            return pinned
+        meant = [hold.character] if hold.character else self._characters
+        if not any(hold.pose in self._troupe.character(name).examples for name in meant):
+            raise InputError(f"nobody on stage acts by '{hold.pose}'")
+        return {hold.pose: 1.0}
 
     def _set_stage(self) -> None:
         """A new stage for these characters and this way; and tell the page what is on it."""
-        if self._kind in ("camera", "sample", "video") and self._stepper is None:
-            self._stepper = STEPPERS[self._way.capture]()
+        if self._look.source in ("camera", "sample", "video") and self._stepper is None:
+            self._stepper = meet(self._way.capture, self._performer)
         self._stage = Stage(
-            [load_character(name) for name in self._characters],
+            [self._troupe.character(name) for name in self._characters],
             self._stepper,
             mapping=self._way.mapping,
             settings=Settings(gain=self._way.gain),
+            held=[face for face in self._coach.faces if face.capture == self._way.capture],
         )
         self._announce()
 
     def _announce(self) -> None:
-        actors = [
-            Actor(name, f"characters/{name}.glb", list(split(load_character(name)).names))
-            for name in self._characters
-        ]
         self._tell(
             StageSet(
-                actors=actors,
-                characters=list(CHARACTERS),
+                session=self.name,
+                actors=[self._actor(name) for name in self._characters],
+                characters=self._troupe.names(),
                 captures=list(STEPPERS),
                 mappings=list(MAPPERS),
-                videos=self._shelf.videos(),
-                takes=self._shelf.takes(),
+                videos=self._shelf.names(VIDEOS),
+                takes=self._shelf.names(TAKES),
+                performers=self._shelf.names(PERFORMERS),
+                faces=self._coach.shown(),
                 way=self._way,
-                source=self._kind,
+                source=self._look.source,
+                name=self._look.name,
+                sound=self._sound(),
                 recording=self._recording is not None,
             )
         )
+
+    def _actor(self, name: str) -> Actor:
+        character = self._troupe.character(name)
+        url = self._troupe.address(name)
+        vrm = character.origin is not None and character.origin.hooks.vrm is not None
+        return Actor(name, url, list(targets(character)), list(character.examples), vrm)
+
+    def _sound(self) -> str:
+        """Where the sound of what is played is, or nothing."""
+        if self._look.source == "video":
+            return f"videos/{quote(self._look.name)}"
+        if self._look.source == "take" and self._shelf.sound(self._look.name).is_file():
+            return f"takes/{quote(self._look.name)}/sound"
+        return ""
 
     def _play(self) -> None:
         if self._source is None:
@@ -225,13 +325,30 @@ class Session:
             return
         item = arrived.item
         if isinstance(item, Frame):
-            if self._way.mirror and self._kind == "camera":
+            if self._way.mirror and self._look.source == "camera":
                 item = replace(item, image=item.image[:, ::-1].copy())
             moment = self._stage.see(item)
             self._record(moment)
+            self._teach(moment)
         else:
             moment = self._stage.show(item)
         self._tell(self._packet(arrived, moment))
+
+    def _teach(self, moment: Moment) -> None:
+        """Let the coach look; when it has seen enough, everybody knows."""
+        if not self._coach.see(moment.time, moment.performance):
+            return
+        task = self._coach.task
+        if task is not None and task.task == "lids" and isinstance(self._stepper, LandmarkStepper):
+            try:
+                self._stepper.learn_shut(HELD)
+            except InputError as error:
+                self._tell(self._coach.refuse(str(error)))
+                return
+        learnt = self._coach.judge(self._way.capture)
+        self._tell(learnt)
+        if learnt.task == "face" and learnt.quality != "refused":
+            self._set_stage()
 
     def _record(self, moment: Moment) -> None:
         if self._recording is None or moment.performance is None:
@@ -251,11 +368,14 @@ class Session:
             sections.append(packet.playing(*arrived.place))
         if isinstance(arrived.item, Frame) and self._stepper is not None:
             height, width = arrived.item.image.shape[:2]
-            sections.append(packet.points(self._stepper.trace.points, (width, height)))
+            sections += packet.traced(self._stepper.trace, (width, height))
+        if self._coach.task is not None:
+            sections.append(packet.holding(self._coach.share))
         if arrived.shown:
             sections.append(("JPEG", arrived.shown))
         adjusted = self._desk(moment.curves or {})
         for number, name in enumerate(self._characters):
             if name in adjusted:
-                sections.append(packet.character(number, adjusted[name]))
+                names = targets(self._troupe.character(name))
+                sections.append(packet.character(number, adjusted[name], names))
         return packet.packet(sections)

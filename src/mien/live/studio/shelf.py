@@ -1,4 +1,4 @@
-"""The studio's folder: uploaded videos, and takes that were recorded."""
+"""The studio's folder: what was uploaded, and what was recorded and learnt."""
 
 from __future__ import annotations
 
@@ -14,8 +14,17 @@ from mien.performance.performance import Performance
 
 LARGEST_UPLOAD = 2 * 2**30
 _NAME = re.compile(r"[\w][\w .()+-]{0,99}", re.ASCII)
+
+Kind = frozenset[str]
+"""Endings of files that may stand for each other."""
 VIDEOS = frozenset((".mp4", ".mov", ".m4v", ".webm", ".mkv", ".avi"))
-TAKE = ".take"
+TAKES = frozenset((".take",))
+SOUNDS = frozenset((".wav",))
+PERFORMERS = frozenset((".performer",))
+MODELS = frozenset((".glb", ".gltf", ".vrm", ".obj", ".zip"))
+"""Characters as somebody made them."""
+CHARACTERS = frozenset((".character",))
+POINTS = frozenset((".toml",))
 
 
 class Shelf:
@@ -29,33 +38,30 @@ class Shelf:
         except OSError as error:
             raise OutputError(f"{folder}: cannot be made ({error.strerror})") from error
 
-    def videos(self) -> list[str]:
-        """Names of the uploaded videos."""
-        return self._names(VIDEOS)
+    def names(self, kind: Kind) -> list[str]:
+        """What there is of a kind, in alphabetical order; takes the newest last."""
+        return sorted(path.name for path in self.folder.iterdir() if path.suffix in kind)
 
-    def takes(self) -> list[str]:
-        """Names of the recordings, the newest last."""
-        return self._names(frozenset((TAKE,)))
-
-    def video(self, name: str) -> Path:
-        """Where an uploaded video is. Raises InputError."""
-        return self._there(name, VIDEOS)
-
-    def take(self, name: str) -> Performance:
-        """A recorded take. Raises InputError, FormatError."""
-        return read_recording(self._there(name, frozenset((TAKE,))))
-
-    def new_take(self) -> Path:
-        """Where the next recording goes."""
-        stem = datetime.now().strftime("take %Y-%m-%d %H.%M.%S")
-        path, number = self.folder / f"{stem}{TAKE}", 2
-        while path.exists():
-            path, number = self.folder / f"{stem} ({number}){TAKE}", number + 1
+    def there(self, name: str, kind: Kind) -> Path:
+        """Where a file is. Raises InputError."""
+        path = self.place(name, kind)
+        if not path.is_file():
+            raise InputError(f"{name}: no such file here")
         return path
 
-    async def keep(self, name: str, chunks: AsyncIterator[bytes]) -> Path:
-        """Keep an uploaded video, whole or not at all. Raises InputError, OutputError."""
-        path = self._place(name, VIDEOS)
+    def place(self, name: str, kind: Kind) -> Path:
+        """Where a file of that name goes. Raises InputError."""
+        path = self.folder / name
+        if not _NAME.fullmatch(name) or path.suffix.lower() not in kind:
+            raise InputError(
+                f"{name[:60]}: cannot be used as a name here; "
+                f"letters and digits, and one of {', '.join(sorted(kind))}"
+            )
+        return path
+
+    async def keep(self, name: str, kind: Kind, chunks: AsyncIterator[bytes]) -> Path:
+        """Keep what is uploaded, whole or not at all. Raises InputError, OutputError."""
+        path = self.place(name, kind)
         size = 0
         with whole_file(path) as temporary, temporary.open("wb") as file:
             async for chunk in chunks:
@@ -65,20 +71,18 @@ class Shelf:
                 file.write(chunk)
         return path
 
-    def _names(self, endings: frozenset[str]) -> list[str]:
-        return sorted(path.name for path in self.folder.iterdir() if path.suffix in endings)
+    def take(self, name: str) -> Performance:
+        """A recorded take. Raises InputError, FormatError."""
+        return read_recording(self.there(name, TAKES))
 
-    def _place(self, name: str, endings: frozenset[str]) -> Path:
-        path = self.folder / name
-        if not _NAME.fullmatch(name) or path.suffix.lower() not in endings:
-            raise InputError(
-                f"{name[:60]}: cannot be used as a name here; "
-                f"letters and digits, and one of {', '.join(sorted(endings))}"
-            )
+    def new_take(self) -> Path:
+        """Where the next recording goes."""
+        stem = datetime.now().strftime("take %Y-%m-%d %H.%M.%S")
+        path, number = self.folder / f"{stem}.take", 2
+        while path.exists():
+            path, number = self.folder / f"{stem} ({number}).take", number + 1
         return path
 
-    def _there(self, name: str, endings: frozenset[str]) -> Path:
-        path = self._place(name, endings)
-        if not path.is_file():
-            raise InputError(f"{name}: no such file here")
-        return path
+    def sound(self, take: str) -> Path:
+        """Where the sound of a take is, or would be. Raises InputError."""
+        return self.place(take, TAKES).with_suffix(".wav")

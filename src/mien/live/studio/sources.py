@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
+from threading import Event
 from time import perf_counter, sleep
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mien.formats.pictures.jpeg import decode_jpeg, encode_jpeg
 from mien.formats.pictures.sources import open_source
@@ -18,6 +21,8 @@ from mien.performance.frame import Frame
 from mien.performance.performance import Performance
 
 _SHOWN_HEIGHT = 360
+_Shown = tuple[float, float, NDArray[np.uint8]]
+"""When a picture of a film came, its place in the film, and it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,6 +46,14 @@ class Source(Protocol):
 
     def close(self) -> None:
         """No more."""
+
+
+@runtime_checkable
+class Recorded(Source, Protocol):
+    """Somewhere a performer was."""
+
+    def seek(self, place: float, playing: bool) -> None:
+        """Go to ``place`` seconds, and play from there or stay."""
 
 
 class PageCamera:
@@ -67,34 +80,53 @@ class PageCamera:
 
 
 class Film:
-    """A recording, over and over, as fast as it was filmed."""
+    """A video, over and over, as fast as it was filmed; it can be paused and wound."""
 
     def __init__(self, path: Path, mirror: bool) -> None:
         """Raises InputError, FormatError."""
-        self._source = open_source(str(path), mirror=mirror)
-        self._slot = keep_newest(self._arriving())
+        self._path, self._mirror = str(path), mirror
+        source = open_source(self._path, mirror=mirror)
+        self._rate = source.rate
+        self._length = (source.count or 0) / source.rate
+        self._time, self._place = 0.0, 0.0
+        self._stop = Event()
+        self._slot = self._begin(0.0, playing=True)
 
     def next(self, timeout: float) -> Arrived | None:
         """See Source."""
         taken = self._slot.take(timeout)
         if taken is None:
             return None
-        at, frame = taken
-        return Arrived(at, frame, encode_jpeg(frame.image, _SHOWN_HEIGHT))
+        at, place, image = taken
+        # Time goes on when the film begins again or is wound.
+        self._time += min(max(place - self._place, 1.0 / self._rate), 1.0)
+        self._place = place
+        shown = encode_jpeg(image, _SHOWN_HEIGHT)
+        return Arrived(at, Frame(image, self._time), shown, (place, max(self._length, place)))
+
+    def seek(self, place: float, playing: bool) -> None:
+        """See Recorded."""
+        self.close()
+        last = max(self._length - 1.0 / self._rate, 0.0)
+        self._slot = self._begin(min(max(place, 0.0), last), playing)
 
     def close(self) -> None:
         """See Source."""
+        self._stop.set()
         self._slot.close()
 
-    def _arriving(self) -> Iterator[tuple[float, Frame]]:
-        begin = 0.0
-        while True:
-            last = 0.0
-            for frame in in_real_time(self._source):
-                last = frame.time
-                # Time goes on when the film begins again.
-                yield perf_counter(), Frame(frame.image, begin + frame.time)
-            begin += last + 1.0 / 30.0
+    def _begin(self, place: float, playing: bool) -> Newest[_Shown]:
+        self._stop, self._place = Event(), place
+        shown = self._shown(place, self._stop)
+        return keep_newest(shown if playing else islice(shown, 1))
+
+    def _shown(self, begin: float, stop: Event) -> Iterator[tuple[float, float, NDArray[np.uint8]]]:
+        while not stop.is_set():
+            for frame in in_real_time(open_source(self._path, start=begin, mirror=self._mirror)):
+                if stop.is_set():
+                    return
+                yield perf_counter(), begin + frame.time, frame.image
+            begin = 0.0
 
 
 class Tape:
@@ -108,7 +140,7 @@ class Tape:
         self._moved = True
 
     def seek(self, place: float, playing: bool) -> None:
-        """Go to ``place`` seconds, and play from there or stay."""
+        """See Recorded."""
         self._place, self._playing = min(max(place, 0.0), self._length), playing
         self._clock, self._moved = perf_counter(), True
 

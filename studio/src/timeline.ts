@@ -1,0 +1,92 @@
+// The timeline of a take or a video: played, paused and wound, with its sound, and exported.
+
+import { find } from "./dom";
+import type { FromPage, StageSet } from "./messages";
+import type { Packet } from "./packet";
+import { Sound } from "./sound";
+
+const PLAY = '<svg viewBox="0 0 16 16"><path d="M4 2.5v11l9-5.5z"/></svg>';
+const PAUSE = '<svg viewBox="0 0 16 16"><path d="M4 2.5h3v11H4zM9 2.5h3v11H9z"/></svg>';
+const LOUD = '<svg viewBox="0 0 16 16"><path d="M2 6v4h2.5L8 13V3L4.5 6zM10 5q2.4 3 0 6M11.7 3.2q4.3 4.8 0 9.6" class="line"/></svg>';
+const KINDS = { glb: "GLB, with morph targets and animation", csv: "the weights as a table", vrma: "a VRM animation" };
+
+export class Timeline {
+  readonly sound = new Sound((there) => { find("hear").hidden = !there; });
+  private playing = true;
+  private place = 0;
+  private wound = 0;
+
+  constructor(private readonly say: (message: FromPage) => void) {
+    find("play").innerHTML = PAUSE;
+    find("hear").innerHTML = LOUD;
+    find("play").onclick = () => this.toggle();
+    find("hear").onclick = () => this.mute();
+    const slider = find<HTMLInputElement>("place");
+    slider.oninput = () => this.seek(Number(slider.value), false);
+  }
+
+  set(stage: StageSet): void {
+    const recorded = stage.source === "take" || stage.source === "video";
+    find("timeline").hidden = !recorded;
+    this.sound.set(recorded ? stage.sound : "");
+    this.exports(stage);
+  }
+
+  /** Something new is played, from its beginning. */
+  begin(): void { this.show(true); }
+
+  see(packet: Packet): void {
+    // What was on its way when the slider was moved would pull it back.
+    if (!packet.playing || performance.now() - this.wound < 250) return;
+    this.place = packet.playing.place;
+    const slider = find<HTMLInputElement>("place");
+    slider.max = String(packet.playing.length);
+    slider.value = String(this.place);
+    find("clock").textContent = `${this.place.toFixed(1)} of ${packet.playing.length.toFixed(1)} s`;
+    this.sound.follow(this.place, this.playing);
+  }
+
+  toggle(): void { this.seek(this.place, !this.playing); }
+
+  mute(): void { find("hear").ariaPressed = String(this.sound.toggle()); }
+
+  private seek(place: number, playing: boolean): void {
+    this.place = place;
+    this.wound = performance.now();
+    this.show(playing);
+    find("clock").textContent = `${place.toFixed(1)} of ${Number(find<HTMLInputElement>("place").max).toFixed(1)} s`;
+    this.sound.follow(place, playing);
+    this.say({ kind: "Seek", time: place, playing });
+  }
+
+  private show(playing: boolean): void {
+    this.playing = playing;
+    find("play").innerHTML = playing ? PAUSE : PLAY;
+  }
+
+  private exports(stage: StageSet): void {
+    const box = find("exports");
+    box.hidden = stage.source !== "take";
+    if (box.hidden) return;
+    const take = encodeURIComponent(stage.name);
+    const links = stage.actors.map((actor) => {
+      const group = document.createElement("span");
+      group.append(actor.name);
+      for (const [kind, what] of Object.entries(KINDS)) {
+        if (kind === "vrma" && !actor.vrm) continue;
+        group.append(link(`takes/${take}/${encodeURIComponent(actor.name)}.${kind}?session=${stage.session}`, kind.toUpperCase(), `${actor.name}: ${what}`));
+      }
+      return group;
+    });
+    box.replaceChildren("Export", ...links, link(`takes/${take}`, "take", "the performance itself, for mien animate"));
+  }
+}
+
+function link(address: string, text: string, title: string): HTMLAnchorElement {
+  const made = document.createElement("a");
+  made.href = address;
+  made.download = "";
+  made.textContent = text;
+  made.title = title;
+  return made;
+}
