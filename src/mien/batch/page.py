@@ -46,8 +46,9 @@ def _facts(account: dict[str, Any]) -> str:
     found = count["captures_found"] + count["acts_found"]
     before = f"; {found} results were there already" if found else ""
     options = ", ".join(f"{k} {v}" for k, v in account["options"].items() if v not in (1.0, True))
+    when = escape(run["started"][:16].replace("T", " "))
     return (
-        f'<p class="facts">{escape(run["started"][:16].replace("T", " "))} UTC, {run["seconds"]:.1f} s with {run["workers"]} '
+        f'<p class="facts">{when} UTC, {run["seconds"]:.1f} s with {run["workers"]} '
         f"workers: {count['captured']} captured, {count['acted']} acted{before}. "
         f"{escape(options)}.</p>"
     )
