@@ -26,6 +26,8 @@ class ModelPart:
     """(V, 3) linear RGB albedo, 0..1."""
     node: int | None = None
     """The node of a glTF file that places it."""
+    primitive: int = 0
+    """Which of its mesh's primitives it is."""
 
 
 @dataclass(frozen=True, slots=True)

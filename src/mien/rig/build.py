@@ -13,6 +13,7 @@ from mien.face.character import Character, KeyModels
 from mien.face.face import Array, Face, FeaturePoints, Ints, Material
 from mien.face.model import Model
 from mien.face.origin import Origin
+from mien.formats.gltf.eyes import with_eye_nodes
 from mien.rig.completion import LIDS, balanced, mirrored, on_surface, warped, with_pupils
 from mien.rig.components import Ball, components, find_ball
 from mien.rig.dress import dressed
@@ -58,6 +59,10 @@ class Upright:
         away = places - np.array([self.middle, 0.0, 0.0])
         return np.asarray(away @ self.turn.T * self.scale)
 
+    def back(self, places: Array) -> Array:
+        """``places`` (..., 3) in the file again."""
+        return np.asarray(places @ self.turn / self.scale + np.array([self.middle, 0.0, 0.0]))
+
 
 def build(model: Model, picks: Picks, unit: float | None, *, seen: bool = False) -> Character:
     """``picks`` in the model's coordinates, ``unit`` millimetres in one of its units, None for a
@@ -79,6 +84,9 @@ def build(model: Model, picks: Picks, unit: float | None, *, seen: bool = False)
     places = settle(places, vertices[acting], fields[:, acting], lids=False, sure=whole)
     points = _on_face(places, vertices, triangles, skin, part, fields)
     points, pivots = _with_eyes(points, pivots, vertices, triangles, balls)
+    if balls is not None and model.hooks.vrm is None and model.hooks.eyes == (None, None):
+        centres = [upright.back(ball.centre) for ball in balls]
+        model = with_eye_nodes(model, [ball.vertices for ball in balls], centres)
     if model.head_place is not None:
         pivots["head"] = upright(model.head_place)
     origin = (pivots["eye_left"] + pivots["eye_right"]) / 2.0
@@ -269,7 +277,7 @@ def _origin(model: Model, upright: Upright, origin: Array) -> Origin | None:
         hooks=model.hooks,
         turn=upright.turn.T,
         scale=upright.scale,
-        centre=upright.turn.T @ origin / upright.scale + np.array([upright.middle, 0.0, 0.0]),
+        centre=upright.back(origin),
         expressions={s.name: s.expression for s in model.shapes if s.expression},
         overrides=model.overrides,
     )

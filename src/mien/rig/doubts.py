@@ -16,6 +16,8 @@ _PARTS = 0.03
 def doubts(found: Import, model: Model) -> list[str]:
     """One line each, for a person to read."""
     told = []
+    origin = found.character.origin
+    eyes = model.hooks.eyes if origin is None else origin.hooks.eyes
     shown = found.character.looks
     if found.facing < 0:
         told.append("faces -z: turned round")
@@ -35,8 +37,11 @@ def doubts(found: Import, model: Model) -> list[str]:
     if not any(part.follows.startswith("eye") for part in face.parts) and not shown:
         told.append("no eyeballs were found: previews show no gaze")
     if model.source is not None:
-        if None in model.hooks.eyes and not shown:
-            told.append("no nodes were found that turn the eyes: the written file shows no gaze")
+        if None in eyes and not shown:
+            told.append(
+                "no nodes were found that turn the eyes: the written file shows no gaze; name them "
+                "in a --map file under [nodes]"
+            )
         if model.hooks.head is None and any(part.node is not None for part in model.parts):
             told.append("no node was found that turns the head: the written file turns as a whole")
     return told

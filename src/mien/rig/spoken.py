@@ -54,6 +54,12 @@ def _goes_sideways(name: str) -> bool:
 
 def arkit_keys(acts: Sequence[Act]) -> Mapping[str, tuple[str, ...]]:
     """ARKit's names and the key models that answer to them; empty where too few do."""
+    found = named_as_arkit(acts)
+    return found if len(found) >= _ENOUGH else {}
+
+
+def named_as_arkit(acts: Sequence[Act]) -> dict[str, tuple[str, ...]]:
+    """ARKit's names and the key models that bear them and move as they should."""
     known = {shape.name.lower(): shape for shape in face_shapes().values()}
     found: dict[str, list[str]] = {}
     for act in acts:
@@ -66,7 +72,7 @@ def arkit_keys(acts: Sequence[Act]) -> Mapping[str, tuple[str, ...]]:
             continue
         turned = shape.mirror != shape.name and bool(disagreements([act]))
         found.setdefault(shape.mirror if turned else shape.name, []).append(act.name)
-    return {name: tuple(keys) for name, keys in found.items()} if len(found) >= _ENOUGH else {}
+    return {name: tuple(keys) for name, keys in found.items()}
 
 
 def vocabulary_of(acts: Sequence[Act]) -> str:

@@ -6,8 +6,6 @@ that was found to carry it, or, in a file without one, by a new root above every
 
 from __future__ import annotations
 
-import json
-import struct
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +16,7 @@ from mien.face.character import Character
 from mien.face.face import Array
 from mien.face.origin import Origin
 from mien.formats.atomic import whole_file
-from mien.formats.gltf.pack import glb
+from mien.formats.gltf.pack import glb, opened
 from mien.numeric.rotation import from_gaze, to_quaternion
 from mien.performance.curves import Curves
 
@@ -43,9 +41,7 @@ class _Take:
 
     def __init__(self, character: Character, origin: Origin, curves: Curves) -> None:
         self.character, self.origin, self.curves = character, origin, curves
-        size = struct.unpack_from("<I", origin.glb, 12)[0]
-        self.document: Json = json.loads(origin.glb[20 : 20 + size])
-        self.binary = bytearray(origin.glb[20 + size + 8 :])
+        self.document, self.binary = opened(origin.glb)
         self.samplers: list[Json] = []
         self.channels: list[Json] = []
         self._times = self._add(curves.time[:, None].astype(np.float32), bounds=True)

@@ -40,6 +40,13 @@ def packed(container: Container) -> bytes:
     return glb(document, b"".join(chunks))
 
 
+def opened(file: bytes) -> tuple[Json, bytearray]:
+    """Description and binary of a GLB that is sound."""
+    size = struct.unpack_from("<I", file, 12)[0]
+    document: Json = json.loads(file[20 : 20 + size])
+    return document, bytearray(file[20 + size + 8 :])
+
+
 def glb(document: Json, binary: bytes, others: Sequence[Json] = ()) -> bytes:
     """A GLB of ``document`` whose first buffer is ``binary``; ``others`` have no content."""
     if binary:

@@ -144,11 +144,17 @@ class _Reading:
         elif any(_list(weights)):
             self._note(f"meshes[{index}] rests at other weights than 0: neutral is 0")
         name = self._name(node, index)
-        for primitive in mesh["primitives"]:
-            self._primitive(node, index, name, primitive, names)
+        for place, primitive in enumerate(mesh["primitives"]):
+            self._primitive(node, index, name, place, primitive, names)
 
     def _primitive(
-        self, node: int, mesh: int, name: str, primitive: Json, names: Sequence[str]
+        self,
+        node: int,
+        mesh: int,
+        name: str,
+        place: int,
+        primitive: Json,
+        names: Sequence[str],
     ) -> None:
         attributes = _dict(primitive.get("attributes"))
         if primitive.get("mode", _TRIANGLES) != _TRIANGLES or "POSITION" not in attributes:
@@ -172,6 +178,7 @@ class _Reading:
                 np.ascontiguousarray(triangles, dtype=np.int32),
                 self._paint.colours(primitive, len(places)),
                 node,
+                place,
             )
         )
         for target, described in enumerate(_list(primitive.get("targets"))):
