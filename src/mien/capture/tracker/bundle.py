@@ -10,7 +10,7 @@ the common pose at rest and identity (C) and each view's own pose and expression
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -33,8 +33,13 @@ class View:
 
     crop: Crop
     state: State
-    others: Sequence[Term]
-    """What else is known of it: landmarks, prior."""
+    points: Array
+    """(N, 2) its landmarks, pixels of the frame."""
+
+
+Known = Callable[[Person, State, View, State], Sequence[Term]]
+"""What else is known of a view, landmarks and prior: of a person in a state at rest, the view, and
+its state now. What landmarks miss at rest depends on where the face lies there."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,8 +48,8 @@ class Rest:
 
     crop: Crop
     state: State
-    pose_sigma: tuple[float, float]
-    """Radians and mm."""
+    pose_sigma: tuple[Array, float]
+    """Radians (3,) and mm."""
 
 
 def refine(
@@ -55,6 +60,7 @@ def refine(
     identity: Array,
     weight: float,
     rounds: Sequence[int],
+    known: Known,
 ) -> tuple[Person, State, list[State]]:
     """Person, state at rest and state of every view after one Gauss-Newton step for each entry of
     ``rounds``, a level of looks. ``identity`` (B, V, 3) are the modes left free, one standard
@@ -72,7 +78,7 @@ def refine(
         normal[np.diag_indices(count)] = (
             np.concatenate(
                 [
-                    np.full(3, rest.pose_sigma[0]),
+                    rest.pose_sigma[0],
                     np.full(3, rest.pose_sigma[1]),
                     np.ones(len(modes)),
                 ]
@@ -82,8 +88,9 @@ def refine(
         right -= normal.diagonal() * np.concatenate([_off(state, fixed), modes])
         solved = []
         for view, own in zip(views, states, strict=True):
+            others = known(person, state, view, own)
             parts = _blocks(
-                person, rest.crop, state, look, view, own, common_sites, rows, level, weight
+                person, rest.crop, state, look, view, own, others, common_sites, rows, level, weight
             )
             a, b, d, g, h = parts
             back = np.linalg.solve(d, np.column_stack([b.T, h]))
@@ -94,9 +101,7 @@ def refine(
         for i, back in enumerate(solved):
             moved = states[i].moved(np.asarray(back[:, -1] - back[:, :-1] @ common, dtype=float))
             states[i] = replace(moved, weights=np.clip(moved.weights, 0.0, WEIGHT_MAX))
-        state = replace(
-            state.moved(np.concatenate([common[:6], np.zeros(len(state.weights))])),
-        )
+        state = state.moved(np.concatenate([common[:6], np.zeros(len(state.weights))]))
         modes = modes + common[6:]
         neutral = bare.neutral + np.tensordot(modes, identity, axes=1)
         person = reshaped(bare, neutral)
@@ -129,6 +134,7 @@ def _blocks(
     look: Look,
     view: View,
     own: State,
+    others: Sequence[Term],
     sites: Sites,
     rows: NDArray[np.intp],
     level: int,
@@ -165,7 +171,7 @@ def _blocks(
     common = np.concatenate([-back.jacobian[:, :6], np.zeros((len(rows), len(nothing)))], axis=1)
     common[:, 6:] = now.jacobian[:, 6 + shapes :] - back.jacobian[:, 6 + shapes :]
     heavy = mine * trust[:, None]
-    d, h = normal_equations([t.linearize(own) for t in view.others], 6 + shapes)
+    d, h = normal_equations([t.linearize(own) for t in others], 6 + shapes)
     d += heavy.T @ mine
     h -= heavy.T @ now.residual
     pressed = ((own.weights <= 0.0) & (h[6:] < 0.0)) | ((own.weights >= WEIGHT_MAX) & (h[6:] > 0.0))

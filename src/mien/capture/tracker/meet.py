@@ -15,8 +15,9 @@ from mien.capture.tracker.bundle import Rest, View, refine
 from mien.capture.tracker.crop import Crop
 from mien.capture.tracker.look import take
 from mien.capture.tracker.person import Person, person
+from mien.capture.tracker.solve import Term
 from mien.capture.tracker.state import State
-from mien.capture.tracker.track import Tracker
+from mien.capture.tracker.track import Tracker, anchors
 from mien.capture.tracker.trust import Trust
 from mien.face.shape_space import generic_space
 from mien.numeric.biharmonic import Handles, spread, uniform_laplacian
@@ -34,8 +35,9 @@ VERTICES = np.array(KEPT)[ROWS]
 VIEWS = 12
 _FARTHEST = 38.0
 """Degrees from rest beyond which a view shows too little of the same skin."""
-_POSE_SIGMA = (0.05, 10.0)
-"""Radians and mm by which landmarks may place the face at rest wrongly."""
+_POSE_SIGMA = (np.array([0.05, 0.02, 0.005]), 10.0)
+"""Radians about x, y and z, and mm, by which landmarks may place the face at rest wrongly. Networks
+err alike to the left and to the right: of roll they know most, of pitch least."""
 _FREE_MODES = 30
 _ROUNDS = (0, 0, 0, 1, 1, 1)
 _IDENTITY_SIGMA = np.array([1.0, 1.0, 2.0])
@@ -93,9 +95,11 @@ def meet(
     states = _alone(somebody, points)
     chosen = spread_views(np.array([s.rotation for s in states]), state.rotation)
     start = Tracker(somebody, [take(somebody, crops[middle], state)], state, trust)
-    views = [
-        View(crops[i], states[i], start.anchors(points[i], states[i])) for i in chosen.tolist()
-    ]
+    views = [View(crops[i], states[i], points[i]) for i in chosen.tolist()]
+
+    def known(who: Person, at_rest: State, view: View, own: State) -> list[Term]:
+        return anchors(_excused(who, usual, at_rest), view.points, own, trust)
+
     modes = somebody.space.identity[:_FREE_MODES]
     met, state, _ = refine(
         somebody,
@@ -105,6 +109,7 @@ def meet(
         modes,
         trust.texture,
         _ROUNDS,
+        known,
     )
     return Meeting(_excused(met, usual, state), state, crops[middle])
 

@@ -44,7 +44,7 @@ tried too."""
 KEY_APART, KEY_FROM, KEY_NEARER = 15.0, 18.0, 8.0
 """Degrees: between looks that are kept, from rest until another look may serve, and by which that
 one must be nearer."""
-SURE = 1.1
+SURE = 1.4
 """Times the usual disagreement beyond which a look is not kept."""
 
 
@@ -123,11 +123,7 @@ class Tracker:
         )
         fit = fit_heads(model, directions[None])
         state = State(fit.rotation[0], fit.translation[0], fit.weights[0])
-        return solve(state, self._anchors(points, state, 1.0, 1.0), 2)
-
-    def anchors(self, points: Array, state: State) -> list[Term]:
-        """What landmarks (N, 2) and prior say of a frame about ``state``."""
-        return self._anchors(points, state, self.trust.anchor)
+        return solve(state, self._alone(points, state), 2)
 
     def _usual(self) -> float:
         return float(np.median(self._costs)) if len(self._costs) > 10 else np.inf
@@ -143,7 +139,7 @@ class Tracker:
         return PriorTerm(self.person.space.spread * self.trust.spread)
 
     def _predict(self, points: Array) -> State:
-        terms = self._landmarks(points, self.state, self.missed, PREDICTOR_SIGMA, 1.0)
+        terms = landmarks(self.person, points, self.state, self.missed, PREDICTOR_SIGMA, 1.0)
         return solve(self.state, [terms, *self._tracked(), self._prior()], 3)
 
     def _tracked(self) -> list[Term]:
@@ -161,24 +157,10 @@ class Tracker:
         self.tracks.renew(self.person.lens(), self.state, aligned.seen[self.tracks.rows])
         return tracked
 
-    def _landmarks(
-        self, points: Array, state: State, missed: Array, sigma: float, weight: float
-    ) -> LandmarkTerm:
-        person = self.person
-        pixels = person.focal / state.translation[2]
-        return LandmarkTerm(
-            person.landmarks,
-            person.lens(),
-            points - missed * pixels,
-            np.full(len(points), sigma * pixels),
-            weight=weight,
-        )
-
-    def _anchors(
-        self, points: Array, state: State, weight: float, sigma: float = ANCHOR_SIGMA
-    ) -> list[Term]:
-        anchor = self._landmarks(points, state, self.person.offset, sigma, weight)
-        return [anchor, self._prior()]
+    def _alone(self, points: Array, state: State) -> list[Term]:
+        """Landmarks that must tell everything."""
+        offset = self.person.offset
+        return [landmarks(self.person, points, state, offset, 1.0, 1.0), self._prior()]
 
     def _miss(self, points: Array, state: State) -> Array:
         person = self.person
@@ -191,13 +173,13 @@ class Tracker:
     ) -> Aligned:
         person, trust = self.person, self.trust
         if not self.looks or trust.texture == 0.0:
-            alone = solve(guess, self._anchors(points, guess, 1.0, 1.0), 3)
+            alone = solve(guess, self._alone(points, guess), 3)
             nowhere = np.zeros(len(person.chart), dtype=bool)
             return Aligned(alone, 0.0, np.flatnonzero(nowhere), nowhere, np.zeros((0, 2, 2)))
         look = self._nearest(guess)
         seen = look.seen & visible(person, crop, guess, 0.2)
         normalise = Normaliser(person.chart, seen)
-        others = [*self._anchors(points, guess, trust.anchor), *self._tracked()]
+        others = [*anchors(person, points, guess, trust), *self._tracked()]
         if trust.motion:
             others.append(MotionTerm(guess, *MOTION_SIGMA))
         state = guess
@@ -219,10 +201,11 @@ class Tracker:
         for level in LEVELS:
             across = self._outline(crop, blurred[-1], state)
             state = step(state, [terms[level], *across, *others])
+        cost = terms[-1].cost(state)
         if trust.silhouette:
             edges = across[0].pairs(state)
         used = self.rows[normalise.inner[self.rows]]
-        return Aligned(state, terms[-1].cost(state), used, seen, edges)
+        return Aligned(state, cost, used, seen, edges)
 
     def _outline(self, crop: Crop, picture: Floats, state: State) -> list[SilhouetteTerm]:
         weight = self.trust.silhouette
@@ -243,6 +226,23 @@ class Tracker:
         if turns[0] > KEY_FROM and turns[best] < turns[0] - KEY_NEARER:
             return self.looks[best]
         return self.looks[0]
+
+
+def landmarks(
+    person: Person, points: Array, state: State, missed: Array, sigma: float, weight: float
+) -> LandmarkTerm:
+    """What landmarks (N, 2) tell about ``state``, less what they ``missed`` (N, 2), mm; ``sigma``
+    in mm."""
+    pixels = person.focal / float(state.translation[2])
+    seen = points - missed * pixels
+    sigmas = np.full(len(points), sigma * pixels)
+    return LandmarkTerm(person.landmarks, person.lens(), seen, sigmas, weight=weight)
+
+
+def anchors(person: Person, points: Array, state: State, trust: Trust) -> list[Term]:
+    """What landmarks (N, 2) and prior say of a frame about ``state``."""
+    anchor = landmarks(person, points, state, person.offset, ANCHOR_SIGMA, trust.anchor)
+    return [anchor, PriorTerm(person.space.spread * trust.spread)]
 
 
 @dataclass(frozen=True, slots=True)
