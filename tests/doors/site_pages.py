@@ -1,6 +1,6 @@
 """Opens pages of a built site in Chromium, takes their pictures, and prints what was asked of whom.
 
-BROWSER_PYTHON site_pages.py ADDRESS CHROMIUM FOLDER PAGE...
+BROWSER_PYTHON site_pages.py CHROMIUM ADDRESS FOLDER PAGE...
 """
 
 import json
@@ -11,7 +11,7 @@ from playwright.sync_api import sync_playwright
 
 def main() -> None:
     """Read the pages as a person would: from top to bottom, and search."""
-    address, chromium, folder, *paths = sys.argv[1:]
+    chromium, address, folder, *paths = sys.argv[1:]
     requests: list[str] = []
     errors: list[str] = []
     broken: dict[str, list[str]] = {}

@@ -6,6 +6,7 @@ commands must be ones that mien has, with options that they take, and its Python
 
 from __future__ import annotations
 
+import json
 import re
 import shlex
 import shutil
@@ -17,6 +18,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from browser import ROOT, browse, needs_browser, served
 from terminal import needs_landmarks
 
 import mien
@@ -29,7 +31,6 @@ from mien.formats.databank_file import write_databank
 from mien.performance.marker_take import MarkerTake
 from takes import WORN, c3d
 
-ROOT = Path(__file__).parents[2]
 RUN = (ROOT / "README.md", ROOT / "docs" / "tutorial.md")
 READ = tuple(sorted((ROOT / "docs" / "guides").glob("*.md")))
 PREPARED = ("make", ".", "cd", "git", "npm", "blender")
@@ -161,3 +162,25 @@ def test_every_block_runs(
             for words in block.commands():
                 if words[0].endswith("mien"):
                     assert main.run(words[1:]) == 0, (block.place, words, capsys.readouterr().err)
+
+
+THREE = ROOT / "studio" / "node_modules" / "three"
+IMPORTS = {"three": "./three/build/three.module.js", "three/addons/": "./three/examples/jsm/"}
+
+
+@needs_browser
+@pytest.mark.skipif(not THREE.exists(), reason="no three.js: run make studio")
+def test_the_web_page_of_the_tutorial_plays(captured: Path, tmp_path: Path) -> None:
+    man = mien.load_character("man")
+    (tmp_path / "out").mkdir()
+    mien.save(mien.animate(mien.load_performance(captured), man), tmp_path / "out" / "man.glb", man)
+    (tmp_path / "three").symlink_to(THREE)
+    (script,) = (block.text for block in ALL if block.language == "js")
+    (tmp_path / "index.html").write_text(
+        f'<!doctype html><body><script type="importmap">{json.dumps({"imports": IMPORTS})}</script>'
+        f'<script type="module">{script}</script>'
+    )
+    with served(tmp_path) as address:
+        seen = browse("three_page.py", address, tmp_path)
+    assert seen["errors"] == []
+    assert seen["pictures"] > 3

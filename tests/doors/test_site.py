@@ -3,26 +3,15 @@
 from __future__ import annotations
 
 import importlib.util
-import json
 import os
 import re
-import shutil
 import subprocess
 import sys
-import threading
-from collections.abc import Iterator
-from functools import partial
-from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 
 import pytest
+from browser import ROOT, browse, needs_browser, served
 
-HERE = Path(__file__).parent
-ROOT = HERE.parents[1]
-BROWSER_PYTHON = Path(
-    os.environ.get("MIEN_BROWSER_PYTHON") or ROOT / ".tools" / "browser/bin/python"
-)
-CHROMIUM = os.environ.get("MIEN_CHROMIUM") or shutil.which("chromium")
 PAGES = ("index.html", "tutorial.html", "papers/equations.html", "papers/online_mapping.html")
 
 pytestmark = pytest.mark.skipif(
@@ -63,31 +52,10 @@ def test_every_equation_is_drawn(site: Path) -> None:
     assert "arithmatex" not in text
 
 
-@pytest.fixture
-def address(site: Path) -> Iterator[str]:
-    class Quiet(SimpleHTTPRequestHandler):
-        def log_message(self, *_: object) -> None:
-            """Tests say what matters."""
-
-    server = ThreadingHTTPServer(("127.0.0.1", 0), partial(Quiet, directory=str(site)))
-    threading.Thread(target=server.serve_forever, daemon=True).start()
-    yield f"http://127.0.0.1:{server.server_port}"
-    server.shutdown()
-
-
-@pytest.mark.skipif(
-    CHROMIUM is None or not BROWSER_PYTHON.exists(),
-    reason="no Chromium with Playwright: run .ci/tools.sh, or set MIEN_BROWSER_PYTHON",
-)
-def test_a_reader_asks_this_machine_alone(address: str, tmp_path: Path) -> None:
-    done = subprocess.run(
-        [BROWSER_PYTHON, HERE / "site_pages.py", address, CHROMIUM, tmp_path, *PAGES],
-        capture_output=True,
-        text=True,
-        timeout=240,
-    )
-    assert done.returncode == 0, done.stderr
-    seen = json.loads(done.stdout)
+@needs_browser
+def test_a_reader_asks_this_machine_alone(site: Path, tmp_path: Path) -> None:
+    with served(site) as address:
+        seen = browse("site_pages.py", address, tmp_path, *PAGES)
     assert len(seen["requests"]) > 20
     foreign = [url for url in seen["requests"] if not url.startswith((address, "data:", "blob:"))]
     assert foreign == []

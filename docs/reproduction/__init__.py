@@ -1,0 +1,1 @@
+"""How each paper's figures are made: a module a paper."""
