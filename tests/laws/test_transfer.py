@@ -12,10 +12,13 @@ from numpy.typing import NDArray
 from actors import built_in
 from faces import toy_character
 from mien.errors import InputError
+from mien.face.character import KeyModels
 from mien.face.face import Face, FeaturePoints
 from mien.face.library import generic_face
 from mien.numeric.closest import nearest
 from mien.numeric.facing import ClosestPoints
+from mien.rig.sculpted import sculpted
+from mien.sculpt.transfer.artist import follow
 from mien.sculpt.transfer.correspondence import correspond
 from mien.sculpt.transfer.make import Made, make
 from mien.sculpt.transfer.opening import eye_of, see
@@ -26,7 +29,10 @@ from mien.sculpt.transfer.solve import Transfer, gradient
 
 Array = NDArray[np.float64]
 
-SHAPES = ("eyeBlinkLeft", "eyeBlinkRight", "mouthSmileLeft", "jawOpen", "browInnerUp")
+SHAPES = (
+    *("eyeBlinkLeft", "eyeBlinkRight", "mouthSmileLeft", "jawOpen", "browInnerUp"),
+    "mouthSmileRight",
+)
 
 
 @cache
@@ -190,3 +196,49 @@ def test_a_made_character_speaks_arkit() -> None:
     character = driven(made("man").character, "arkit")
     assert character.speaks["arkit"]["jawOpen"] == ("jawOpen",)
     assert character.blinks >= {"eyeBlinkLeft"}
+
+
+def test_the_other_side_follows_what_an_artist_sculpted_of_one() -> None:
+    man, smiles = built_in("man"), ("mouthSmileLeft", "mouthSmileRight")
+    own = {"mouthSmileLeft": 2.0 * made("man").character.keys["mouthSmileLeft"]}
+    keys = make(man.face, generic_face(), smiles, "man", own).character.keys
+    assert np.array_equal(keys["mouthSmileLeft"], own["mouthSmileLeft"])
+    left, right = (np.linalg.norm(keys[name], axis=1) for name in smiles)
+    assert right.max() == pytest.approx(left.max(), rel=0.03)
+
+
+def test_a_pose_is_understood_and_makes_its_key_models_like_itself() -> None:
+    skin = skin_of(built_in("man").face)
+    fields = skin.gather(np.stack([made("man").character.keys[name] for name in SHAPES]))
+    levels = np.array([0.0, 0.0, 0.6, 0.9, 0.0, 0.1])
+    pose = np.tensordot(levels, fields, axes=1)
+    same = follow(fields, SHAPES, skin, {}, {"laugh": pose})
+    assert np.abs([same.mixtures["laugh"].get(n, 0.0) for n in SHAPES] - levels).max() < 0.05
+    assert np.abs(same.made - fields).max() < 0.1 * np.abs(fields).max()
+    # An artist who lets the chin fall a third deeper: jawOpen learns it, the brow does not.
+    deeper = fields.copy()
+    deeper[3] *= 1.0 + np.clip((-40.0 - skin.vertices[:, 1]) / 60.0, 0.0, 1.0)[:, None] / 3.0
+    shown = {"laugh": np.tensordot(levels, deeper, axes=1), "ah": deeper[3]}
+    found = follow(fields, SHAPES, skin, {}, shown).made
+    before, after = (np.linalg.norm(f[3] - deeper[3]) for f in (fields, found))
+    assert after < 0.35 * before
+    assert np.abs(found[4] - fields[4]).max() < 0.05 * np.abs(fields[4]).max()
+
+
+def test_a_pose_of_something_else_teaches_nothing() -> None:
+    skin = skin_of(built_in("man").face)
+    fields = skin.gather(np.stack([made("man").character.keys[name] for name in SHAPES]))
+    swollen = 5.0 * np.sign(np.sin(skin.vertices / 3.0))
+    found = follow(fields, SHAPES, skin, {}, {"warts": swollen})
+    assert not found.mixtures
+    assert np.array_equal(found.made, fields)
+
+
+def test_sculpted_shapes_are_known_by_name_by_spelling_or_by_the_map() -> None:
+    man = built_in("man")
+    names = ("EyeBlink_L", "laugh", "jaw_open")
+    keys = KeyModels(names, np.stack([man.keys[n] for n in ("blink_left", "smile", "jaw_open")]))
+    neutral = replace(man, keys=keys, examples=names, meanings={"jaw_open": "jawOpen"})
+    found = sculpted(neutral, ("eyeBlinkLeft", "jawOpen", "mouthSmileLeft"))
+    assert set(found.own) == {"eyeBlinkLeft", "jawOpen"}
+    assert set(found.poses) == {"laugh"}

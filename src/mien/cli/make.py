@@ -14,6 +14,8 @@ from mien.errors import InputError
 if TYPE_CHECKING:
     from mien.face.character import Character
 
+_TOLD = 4
+"""Parts of a mixture that are told."""
 SETS = ("arkit", "mpeg4", "mien")
 
 
@@ -21,8 +23,9 @@ def make_character(options: argparse.Namespace) -> None:
     """NEUTRAL, the one name that is given, becomes a character with ``--shapes``."""
     from mien.face.store import write_character
     from mien.formats.gltf.glb import write_glb
+    from mien.rig.sculpted import sculpted
     from mien.sculpt.transfer.make import make
-    from mien.sculpt.transfer.shapes import driven, sculpted, shape_sets, source_of
+    from mien.sculpt.transfer.shapes import driven, shape_sets, source_of
 
     writers: Mapping[str, Callable[[Path, Character], None]] = {
         ".npz": write_character,
@@ -40,7 +43,9 @@ def make_character(options: argparse.Namespace) -> None:
     with results(output.parent) as claim:
         remark(options, f"laying {chosen.source} on {neutral.name}")
         kept = sculpted(neutral, chosen.names)
-        made = make(neutral.face, source_of(chosen), chosen.names, output.stem, kept)
+        made = make(
+            neutral.face, source_of(chosen), chosen.names, output.stem, kept.own, kept.poses
+        )
         writers[output.suffix.lower()](claim(output.name), driven(made.character, options.shapes))
     tell(
         options,
@@ -48,11 +53,13 @@ def make_character(options: argparse.Namespace) -> None:
             "file": str(output),
             "name": output.stem,
             "shapes": list(made.character.keys.names),
-            "kept": list(kept),
+            "kept": list(kept.own),
+            "poses": {pose: _rounded(mixture) for pose, mixture in made.mixtures.items()},
             "notes": list(made.notes),
         },
         f"{output.stem}: {len(made.character.keys.names)} key models"
-        + (f", {len(kept)} of them as they were sculpted" if kept else ""),
+        + (f", {len(kept.own)} of them as they were sculpted" if kept.own else ""),
+        *(f"  {pose}: taken for {_sum(mixture)}" for pose, mixture in made.mixtures.items()),
         *(f"  note: {note}" for note in made.notes),
         str(output),
     )
@@ -64,8 +71,20 @@ def _read(options: argparse.Namespace) -> Character:
 
     path = Path(options.names[0])
     if path.exists() and readable(path):
-        return import_character(path, points=options.points, units=options.units).character
+        return import_character(
+            path, points=options.points, units=options.units, meanings=options.map
+        ).character
     return load_character(options.names[0])
+
+
+def _rounded(mixture: Mapping[str, float]) -> dict[str, float]:
+    return {name: round(level, 2) for name, level in mixture.items()}
+
+
+def _sum(mixture: Mapping[str, float]) -> str:
+    """The greater parts of a mixture, "0.8 mouthSmileLeft + 0.7 mouthSmileRight"."""
+    most = sorted(mixture.items(), key=lambda part: -part[1])[:_TOLD]
+    return " + ".join(f"{level:.1f} {name}" for name, level in most)
 
 
 def _output(options: argparse.Namespace, name: str) -> Path:

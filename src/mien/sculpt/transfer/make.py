@@ -11,12 +11,15 @@ from numpy.typing import NDArray
 
 from mien.errors import InputError
 from mien.face.character import Character, KeyModels
-from mien.face.face import Face
+from mien.face.face import Array, Face
+from mien.sculpt.transfer.artist import follow
 from mien.sculpt.transfer.correspondence import correspond
 from mien.sculpt.transfer.lids import close_lids
 from mien.sculpt.transfer.parts import move_parts
-from mien.sculpt.transfer.skin import skin_of
+from mien.sculpt.transfer.skin import Skin, skin_of
 from mien.sculpt.transfer.solve import Transfer
+
+Fields = Mapping[str, NDArray[np.floating[Any]]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,6 +27,8 @@ class Made:
     """A character that was made, and what its maker should know."""
 
     character: Character
+    mixtures: Mapping[str, Mapping[str, float]]
+    """Of each of the artist's poses that was understood, how much of each key model is in it."""
     notes: tuple[str, ...]
     """Plain sentences about what could not be made, or only doubtfully."""
 
@@ -33,13 +38,15 @@ def make(
     source: Character,
     shapes: Sequence[str],
     name: str,
-    sculpted: Mapping[str, NDArray[np.floating[Any]]] | None = None,
+    sculpted: Fields | None = None,
+    poses: Fields | None = None,
 ) -> Made:
     """Give ``target`` the key models ``shapes`` of ``source``.
 
-    What its artist has ``sculpted`` under one of those names (V, 3) mm stays as it is. Both faces
-    in the head frame with feature points on their skins. Raises InputError where they share
-    too few points or where ``source`` lacks a shape.
+    What its artist has ``sculpted`` under one of those names (V, 3) mm stays as it is; the others
+    follow it, and the artist's ``poses``, which are mixtures of any of them. Both faces in the
+    head frame with feature points on their skins. Raises InputError where they share too few
+    points or where ``source`` lacks a shape.
     """
     missing = [shape for shape in shapes if shape not in source.keys.names]
     if missing:
@@ -53,10 +60,16 @@ def make(
     motion = skin.gather(source.keys.displacements[rows])
     pair = correspond(source.face, target, skin, own)
     made = Transfer(skin, own, pair, np.linalg.norm(motion, axis=2).max(axis=0))(motion)
-    made, notes = close_lids(source.face, skin, motion, target, own, made)
-    names = tuple(shapes)
+    names, kept = tuple(shapes), dict(sculpted or {})
+    followed = follow(made, names, own, _on(own, kept), _on(own, poses or {}))
+    made, notes = close_lids(source.face, skin, motion, target, own, followed.made)
     moved = move_parts(target, own, made, source, names, pair.similarity).astype(np.float32)
-    for shape, field in (sculpted or {}).items():
+    for shape, field in kept.items():
         moved[names.index(shape)] = field
     keys = KeyModels(names, moved)
-    return Made(Character(name, target, keys, names), notes)
+    return Made(Character(name, target, keys, names), followed.mixtures, notes)
+
+
+def _on(skin: Skin, fields: Fields) -> dict[str, Array]:
+    """Displacement fields (V, 3) as motion of the skin (N, 3)."""
+    return {name: skin.gather(field) for name, field in fields.items()}

@@ -5,9 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-import numpy as np
-from numpy.typing import NDArray
-
 from mien.face.character import Character
 from mien.face.library import generic_face, load_character
 from mien.sculpt.acting.visemes import VISEMES
@@ -53,18 +50,6 @@ def driven(character: Character, chosen: str) -> Character:
         meanings={name: name for name in acting},
         speaks={"arkit": {name: (name,) for name in names}},
     )
-
-
-def sculpted(neutral: Character, names: tuple[str, ...]) -> dict[str, NDArray[np.float32]]:
-    """Displacements (V, 3) of those of ``names`` that an artist has made, under that name or as
-    the vocabulary the character speaks."""
-    spoken = neutral.speaks.get("arkit", {})
-    found = {}
-    for name in names:
-        keys = (name,) if name in neutral.keys.names else spoken.get(name, ())
-        if keys:
-            found[name] = np.sum([neutral.keys[key] for key in keys], axis=0)
-    return found
 
 
 def source_of(chosen: ShapeSet) -> Character:

@@ -59,6 +59,13 @@ class Skin:
         _, kept = np.unique(self.welded, return_index=True)
         return np.asarray(values[..., self.rows[kept], :], dtype=float)
 
+    def areas(self) -> Array:
+        """(N,) mm² about each vertex."""
+        a, b, c = (self.vertices[self.triangles[:, k]] for k in range(3))
+        third = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 6.0
+        each = np.bincount(self.triangles.ravel(), np.repeat(third, 3), len(self.vertices))
+        return np.asarray(each, dtype=float)
+
 
 def on_skin(fdp: str) -> bool:
     """Whether a feature point lies on the skin of the face."""

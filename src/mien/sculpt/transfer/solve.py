@@ -76,8 +76,7 @@ class Transfer:
         slopes, areas = gradient(target.vertices, target.triangles)
         trust = pair.trust[target.triangles].mean(axis=1)
         weight = areas * (_DOUBT + (1.0 - _DOUBT) * trust)
-        area = np.zeros(len(target.vertices))
-        np.add.at(area, target.triangles, areas[:, None] / 3.0)
+        area = target.areas()
         held = pair.partner @ (pair.scale * moved) < _STILL
         placed = area * np.where(held, 0.0, pair.trust / screen**2)
         still = area * np.where(held, _HELD, _DOUBT * (1.0 - pair.trust) / _FADE**2)
