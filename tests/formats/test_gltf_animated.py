@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 import pytest
 from foreign import issues, needs_validator
-from gltf_reader import Reader
 
 from faces import toy_curves
+from gltf_reader import Reader
 from guests import DATA, document, edited, needs_characters, write_guest
 from mien.face.animate import Poser
 from mien.face.character import Character
@@ -107,3 +107,18 @@ def test_a_file_that_rests_at_other_weights_is_driven_from_zero(tmp_path: Path) 
     # Both eyes turn, and one node that carries the whole head.
     assert sum(path == "rotation" for _, path in paths) == 3
     assert len(told["animations"]) == 5
+
+
+def test_pictures_nobody_can_show_keep_nobody_out(tmp_path: Path) -> None:
+    """Blender refuses a file that requires KTX2; with the pictures only named it opens the rest."""
+    path, points = write_guest(tmp_path)
+
+    def change(told: Any) -> None:
+        told["extensionsUsed"] = [*told.get("extensionsUsed", []), "KHR_texture_basisu"]
+        told["extensionsRequired"] = ["KHR_texture_basisu"]
+
+    character = import_character(edited(path, change), points=points).character
+    write_animated(tmp_path / "a.glb", character, toy_curves(character))
+    told = document(tmp_path / "a.glb")
+    assert "extensionsRequired" not in told
+    assert "KHR_texture_basisu" in told["extensionsUsed"]

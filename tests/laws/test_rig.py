@@ -18,6 +18,7 @@ from mien.rig.components import components, find_ball, round_pair
 from mien.rig.doubts import doubts
 from mien.rig.importer import import_character
 from mien.rig.picks import Picks, read_picks
+from mien.rig.settle import settle
 from mien.rig.spoken import plain, side_of
 
 
@@ -134,4 +135,26 @@ def test_spellings_of_arkit_are_one() -> None:
     assert [side_of(n) for n in ("eyeBlink_L", "mouthRight", "jawOpen", "left_to_right")] == [
         *("left", "right"),
         *("", ""),
+    ]
+
+
+def test_a_brow_lies_where_its_shape_lifts_it() -> None:
+    """A point that looking put beside the brow goes to the peak close by, and no farther."""
+    places = {
+        name: np.array(place, float)
+        for name, place in {
+            "4.1": (10, 20, 0), "4.3": (25, 24, 0), "4.5": (40, 20, 0),
+            "3.7": (40, 0, 0), "3.11": (10, 0, 0),
+        }.items()
+    }  # fmt: skip
+    vertices = np.array([*places.values(), (12, 28, 0), (25, 60, 0)], float)
+    fields = np.zeros((2, len(vertices), 3), np.float32)
+    fields[0, 5, 1], fields[1, 6, 1] = 5.0, 5.0
+    found = settle(places, vertices, fields, lids=False)
+    assert found["4.1"].tolist() == [12, 28, 0]
+    assert found["4.3"].tolist() == [25, 24, 0]
+    assert settle(places, vertices, fields, lids=False, sure=("4.1",))["4.1"].tolist() == [
+        10,
+        20,
+        0,
     ]

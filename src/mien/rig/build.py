@@ -110,7 +110,7 @@ def build(model: Model, picks: Picks, unit: float | None, *, seen: bool = False)
         examples=names,
         whole=True,
         blinks=frozenset(),
-        origin=_origin(model, upright, origin),
+        origin=_origin(model, upright, origin, order),
     )
 
 
@@ -268,7 +268,9 @@ def _fields(model: Model, upright: Upright) -> tuple[tuple[str, ...], NDArray[np
     return tuple(names), np.stack([fields[name] for name in names])
 
 
-def _origin(model: Model, upright: Upright, origin: Array) -> Origin | None:
+def _origin(
+    model: Model, upright: Upright, origin: Array, order: NDArray[np.intp]
+) -> Origin | None:
     if model.source is None:
         return None
     return Origin(
@@ -280,4 +282,5 @@ def _origin(model: Model, upright: Upright, origin: Array) -> Origin | None:
         centre=upright.back(origin),
         expressions={s.name: s.expression for s in model.shapes if s.expression},
         overrides=model.overrides,
+        order=order.astype(np.int32),
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,6 +35,8 @@ class Ball:
     """(V,)"""
     centre: Array
     """(3,)"""
+    aside: float = 0.0
+    """Angle to +x by which its lids open aside of straight ahead, radians."""
 
 
 def components(vertices: Array, triangles: Ints) -> NDArray[np.intp]:
@@ -61,7 +63,9 @@ def find_ball(vertices: Array, part: NDArray[np.intp], lids: Array) -> Ball | No
     if not found:
         return None
     _, centre, radius = max(found, key=lambda ball: ball[2])
-    return _filled(vertices, part, centre, radius)
+    out = middle - centre
+    aside = float(np.arctan2(out[0], max(float(out[2]), 1e-9)))
+    return replace(_filled(vertices, part, centre, radius), aside=aside)
 
 
 def round_pair(vertices: Array, part: NDArray[np.intp]) -> list[Ball]:

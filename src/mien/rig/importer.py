@@ -44,6 +44,8 @@ class Import:
     """1 where it looks to +z in its own file, -1 to -z."""
     notes: tuple[str, ...]
     """What was mended, odd or doubtful, for a person to read."""
+    model: Model
+    """What the file holds."""
 
 
 def readable(path: Path) -> bool:
@@ -120,7 +122,7 @@ def _finish(
         speaks={"arkit": spoken} if spoken else {},
         looks=looks if by_gaze else {},
     )
-    return Import(character, acts, towards, tuple(notes))
+    return Import(character, acts, towards, tuple(notes), model)
 
 
 def _seen(model: Model, path: Path) -> Picks:

@@ -17,6 +17,14 @@ Fields = NDArray[np.float32]
 
 _LIDS = (("3.1", "3.3", "3.7", "3.11"), ("3.2", "3.4", "3.12", "3.8"))
 """Upper and lower margin, outer and inner corner."""
+_BROWS = (
+    (("4.1", "4.3", "4.5"), ("3.7", "3.11")),
+    (("4.2", "4.4", "4.6"), ("3.12", "3.8")),
+)
+"""Points of a brow, and the corners of its eye."""
+_CLOSE, _LIFTED, _BEHIND = 0.4, 0.05, 0.3
+"""Widths of an eye within which a brow's peak is its point's, and which it travels at least; part
+of its way that a point makes that is left behind."""
 _LIPS = (
     *(("2.2", "8.1", True), ("2.3", "8.2", False)),
     *(("2.6", "8.5", True), ("2.7", "8.6", True), ("2.8", "8.7", False), ("2.9", "8.8", False)),
@@ -52,9 +60,33 @@ def settle(
         for margins in _LIDS if lids else ():
             if all(name in places for name in margins):
                 _settle_lids(found, margins, vertices, fields)
+        for brow, corners in _BROWS:
+            if all(name in places for name in (*brow, *corners)):
+                _settle_brow(found, brow, corners, vertices, fields)
         if all(name in places for name in ("8.1", "8.2", "8.3", "8.4")):
             _settle_lips(found, vertices, fields)
     return found | {name: places[name] for name in sure}
+
+
+def _settle_brow(
+    found: dict[str, Array],
+    brow: tuple[str, ...],
+    corners: tuple[str, str],
+    vertices: Array,
+    fields: Fields,
+) -> None:
+    """Brows that are not painted are where shapes lift them: a point that a shape with its peak
+    close by leaves behind goes there."""
+    width = float(np.linalg.norm(found[corners[0]] - found[corners[1]]))
+    lift = np.abs(fields[:, :, 1])
+    peak, high = lift.argmax(axis=1), lift.max(axis=1)
+    sane = (high > _LIFTED * width) & (high < width)
+    for name in brow:
+        away = np.linalg.norm(vertices[peak] - found[name], axis=1)
+        behind = lift[:, _nearest(vertices, found[name])] < _BEHIND * high
+        key = int(np.where(sane & behind, away, np.inf).argmin())
+        if sane[key] and behind[key] and away[key] < _CLOSE * width:
+            found[name] = vertices[peak[key]]
 
 
 def _settle_lids(

@@ -23,6 +23,7 @@ from mien.performance.curves import Curves
 Json = dict[str, Any]
 
 _FLOAT = 5126
+_PICTURES = "KHR_texture_basisu"
 
 
 def write_animated(path: Path, character: Character, curves: Curves) -> None:
@@ -55,10 +56,17 @@ class _Take:
                 self._turn(eye, from_gaze(self.curves.gaze[:, side]))
         animation = {"name": "take", "samplers": self.samplers, "channels": self.channels}
         self.document.setdefault("animations", []).insert(0, animation)
+        self._let_open()
         buffers = self.document.setdefault("buffers", [{}])
         buffers[0]["byteLength"] = len(self.binary)
         rest = self.document.pop("buffers")[1:]
         return glb(self.document, bytes(self.binary), rest)
+
+    def _let_open(self) -> None:
+        """Let programs that show no KTX2 (Blender is one) open the rest; the pictures stay."""
+        required = self.document.pop("extensionsRequired", [])
+        kept = [name for name in required if name != _PICTURES]
+        self.document |= {"extensionsRequired": kept} if kept else {}
 
     def _weights(self) -> None:
         """A channel for every node with a mesh that a key model drives."""
