@@ -51,11 +51,7 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=20.0)
     parser.add_argument("--json", action="store_true")
     options = parser.parse_args()
-    if options.video is None:
-        with resources.as_file(resources.files("mien").joinpath("data", "sample.mp4")) as path:
-            pictures = jpegs(path)
-    else:
-        pictures = jpegs(options.video)
+    pictures = jpegs(options.video)
 
     detector, paced = detector_ms(pictures, 0.0), detector_ms(pictures, 1.0 / RATE)
     four = live(pictures, options.capture, list(mien.CHARACTERS), options.seconds)
@@ -77,8 +73,11 @@ def main() -> None:
     show("live_latency", "Live, four characters on stage", figures, options.json)
 
 
-def jpegs(video: Path) -> list[bytes]:
-    """The frames of ``video``, cut to SIZE, as a page would send them."""
+def jpegs(video: Path | None) -> list[bytes]:
+    """The frames of ``video`` (the sample: None), cut to SIZE, as a page would send them."""
+    if video is None:
+        with resources.as_file(resources.files("mien").joinpath("data", "sample.mp4")) as sample:
+            return jpegs(sample)
     found = []
     for frame in open_source(video):
         height, width = frame.image.shape[:2]

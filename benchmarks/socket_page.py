@@ -39,7 +39,7 @@ class Studio:
 def running_studio(folder: Path) -> Iterator[Studio]:
     """A studio that keeps its files in ``folder``, on a port of its own."""
     mien = Path(sys.executable).with_name("mien")
-    command = [mien, "studio", "--no-browser", "--port", "0", "--folder", folder]
+    command = [str(mien), "studio", "--no-browser", "--port", "0", "--folder", str(folder)]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
     try:
         assert process.stdout is not None
@@ -55,9 +55,9 @@ def running_studio(folder: Path) -> Iterator[Studio]:
 class Page:
     """What a page says and hears."""
 
-    def __init__(self, port: int) -> None:
-        """Raises OSError where nobody listens."""
-        self._socket = socket.create_connection(("127.0.0.1", port), timeout=30)
+    def __init__(self, port: int, patience: float = 30.0) -> None:
+        """``patience`` in seconds of silence. Raises OSError where nobody listens."""
+        self._socket = socket.create_connection(("127.0.0.1", port), timeout=patience)
         self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         self._protocol = WSConnection(ConnectionType.CLIENT)
         self._lock = Lock()
@@ -82,13 +82,16 @@ class Page:
 
     def hear(self) -> Iterator[bytes | str]:
         """What comes, until the studio ends it. Raises OSError after a silence."""
-        parts: list[bytes | str] = []
+        text, data = "", b""
         for event in self._events():
             if isinstance(event, BytesMessage | TextMessage):
-                parts.append(event.data)
+                if isinstance(event, TextMessage):
+                    text += event.data
+                else:
+                    data += event.data
                 if event.message_finished:
-                    yield (b"" if isinstance(parts[0], bytes | bytearray) else "").join(parts)  # type: ignore[arg-type]
-                    parts = []
+                    yield text if isinstance(event, TextMessage) else data
+                    text, data = "", b""
 
     def go(self, politely: bool = True) -> None:
         """Leave, with or without saying so."""
