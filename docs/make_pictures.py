@@ -40,7 +40,7 @@ QUALITY = 76
 TURNS, TURN_SECONDS = 32, 5.0
 MOMENTS = (0.95, 2.65, 3.5, 6.9)
 """Seconds of the sample take."""
-SEEN = (0.95, 6.9)
+SEEN = 0.95
 
 
 def cast() -> np.ndarray:
@@ -75,17 +75,15 @@ def turntable() -> list[Image.Image]:
 
 
 def overlays() -> np.ndarray:
-    """What landmarks and curves saw at two moments of the sample take."""
+    """What landmarks and curves saw at a moment of the sample take."""
     shots = []
     with sample() as take:
-        for method in ("landmarks", "snakes"):
-            traces: list[Trace] = []
-            way = CAPTURES[method]
-            way(open_source(take), CaptureSettings(watch=traces.append), "sample", None)
-            shown = zip(open_source(take), traces, strict=True)
-            times = [frame.time for frame in open_source(take)]
-            wanted = [int(np.argmin(abs(np.array(times) - moment))) for moment in SEEN]
-            shots += [overlay(f.image, t) for i, (f, t) in enumerate(shown) if i in wanted]
+        frames = list(open_source(take, end=SEEN + 0.5))
+    seen = int(np.argmin([abs(frame.time - SEEN) for frame in frames]))
+    for method in ("landmarks", "snakes"):
+        traces: list[Trace] = []
+        CAPTURES[method](frames, CaptureSettings(watch=traces.append), "sample")
+        shots.append(overlay(frames[seen].image, traces[seen]))
     return np.hstack(shots)
 
 

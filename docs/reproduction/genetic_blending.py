@@ -7,6 +7,7 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 import mien
 from mien.face.character import Character
@@ -59,15 +60,16 @@ COARSE, DENSE = 2, 3
 
 def results() -> Results:
     """Everything [Z] shows, from nothing."""
-    template, person = face_template(generic_face().face), mien.load_character(PERSON)
+    template = face_template(generic_face().face)
+    person, performer = mien.load_character(PERSON), mien.load_character(PERFORMER)
+    ids = _on_skin(template.points.ids, person, performer)
     names = (*EXPRESSIONS, *(key for key in person.keys.names if key.startswith("viseme_")))
     shown = names[:6], names[11:17]
-    bank, performer = _bank(person, template, names), mien.load_character(PERFORMER)
-    take = act(performer, template)
+    bank, take = _bank(person, ids, names), act(performer, template)
     return {
-        "figure_1": _raw(person, template, shown),
+        "figure_1": _raw(person, ids, shown),
         "scan_noise": SCAN_NOISE,
-        **_stages(person, template),
+        **_stages(person, template, ids),
         "figure_3": _consistent(bank, shown),
         "faces": len(bank.names),
         "triangles": len(bank.face.triangles),
@@ -78,12 +80,32 @@ def results() -> Results:
         "head": Table(["head's motion removed by", "mm"], list(take.head.items())),
         **_scale(take.performance, bank),
         **_generations(take.performance, bank),
-        **_reconstructed(take, bank, _own_face(performer, template), template),
+        **_reconstructed(take, bank, _own_face(performer, template, ids), template),
     }
 
 
-def _raw(person: Character, template: Template, shown: Sequence[Sequence[str]]) -> Picture:
-    ids = template.points.ids
+def _on_skin(ids: Sequence[str], *people: Character) -> tuple[str, ...]:
+    """Feature points that are the same place of skin on all: a hair line is not."""
+    generic = generic_face().face.points
+    return tuple(
+        fdp
+        for fdp in ids
+        if all(
+            np.array_equal(generic.vertices[generic.index([fdp])], p.vertices[p.index([fdp])])
+            for p in (person.face.points for person in people)
+        )
+    )
+
+
+def _narrow(template: Template) -> NDArray[np.bool_]:
+    """(W,) what a scanner sees of the refined skin, between chin and hair line, from ear to ear."""
+    places, face = template.refinement @ template.vertices, generic_face().face
+    low, high = face.point("2.1")[1] - 8.0, face.point("11.1")[1]
+    x, y, z = places.T
+    return template.outside & (y > low) & (y < high) & (z > -20.0) & (np.abs(x) < 70.0)
+
+
+def _raw(person: Character, ids: Sequence[str], shown: Sequence[Sequence[str]]) -> Picture:
     rows = [[_drawn(scan(person, key, ids, COARSE)[0]) for key in row] for row in shown]
     return grid(rows, ["expressions", "visemes"], 190)
 
@@ -97,8 +119,10 @@ def _upright(mesh: Mesh) -> Mesh:
     return Mesh((mesh.vertices - SHIFT) @ TURN, mesh.triangles)
 
 
-def _stages(person: Character, template: Template) -> dict[str, Picture | Table | int]:
-    scanned, given = scan(person, "smile", template.points.ids, DENSE)
+def _stages(
+    person: Character, template: Template, ids: Sequence[str]
+) -> dict[str, Picture | Table | int]:
+    scanned, given = scan(person, "smile", ids, DENSE)
     mesh = _upright(scanned)
     points = ScanPoints(given.ids, (given.places - SHIFT) @ TURN)
     surface = Surface(mesh)
@@ -115,7 +139,8 @@ def _stages(person: Character, template: Template) -> dict[str, Picture | Table 
     )
     pictures = [draw(drawable(Mesh(places, each)), VIEW) for _, _, each, places in stages]
     skin = (person.face.vertices + person.keys["smile"])[: len(template.vertices)]
-    true, seen = template.refinement @ skin, normals.reliable & cylinder.reliable
+    true = template.refinement @ skin
+    seen = normals.reliable & cylinder.reliable & _narrow(template)
     rows = []
     for name, theirs, triangles, places in stages:
         whole = len(places) == len(true)
@@ -138,8 +163,8 @@ def _off(places: Array, mesh: Mesh) -> float:
     return float(np.linalg.norm(places - there, axis=1).mean())
 
 
-def _bank(person: Character, template: Template, names: Sequence[str]) -> Databank:
-    load = partial(scan, person, ids=template.points.ids, density=COARSE)
+def _bank(person: Character, ids: Sequence[str], names: Sequence[str]) -> Databank:
+    load = partial(scan, person, ids=ids, density=COARSE)
     faces = {name: partial(load, name) for name in names}
     return build_bank(generic_face(), PERSON, partial(load, None), faces)
 
@@ -154,9 +179,9 @@ def _consistent(bank: Databank, shown: Sequence[Sequence[str]]) -> Picture:
     return grid([[face(name) for name in row] for row in shown], ["expressions", "visemes"], 190)
 
 
-def _own_face(performer: Character, template: Template) -> Face:
+def _own_face(performer: Character, template: Template, ids: Sequence[str]) -> Face:
     """The performer's own neutral, scanned, in the databank's topology."""
-    mesh, points = scan(performer, None, template.points.ids, COARSE, seed=1)
+    mesh, points = scan(performer, None, ids, COARSE, seed=1)
     rest = parameterise(template, Surface(mesh), points)
     return performer_face(generic_face().face, template, rest, mesh)
 
@@ -233,7 +258,8 @@ def _reconstructed(
         return [renderer.render(places @ turn[f].T, VIEW) for f, places in moved.items()]
 
     first, *_, last = done.values()
-    nothing = float(np.linalg.norm(take.skin[:, template.outside], axis=-1).mean())
+    narrow = _narrow(template)
+    nothing = float(np.linalg.norm(take.skin[:, narrow], axis=-1).mean())
     return {
         "figure_7": grid(
             [take.snapshots, row(first), row(last)], ["performer", "as published", "ours"], 190
@@ -242,17 +268,16 @@ def _reconstructed(
             ["", "mm"],
             [
                 ["doing nothing", nothing],
-                *([name, _missed(found, take, template)] for name, found in done.items()),
+                *([name, _missed(found, take, narrow)] for name, found in done.items()),
             ],
         ),
     }
 
 
-def _missed(found: Reconstruction, take: Take, template: Template) -> float:
-    """mm, mean over the take and what is seen of the skin."""
-    count = len(template.outside)
+def _missed(found: Reconstruction, take: Take, narrow: NDArray[np.bool_]) -> float:
+    """mm, mean over the take and the narrow face."""
     errors = [
-        np.linalg.norm(found.motion(frame)[:count] - true, axis=-1)[template.outside].mean()
+        np.linalg.norm(found.motion(frame)[: len(true)] - true, axis=-1)[narrow].mean()
         for frame, true in zip(take.sampled, take.skin, strict=True)
     ]
     return float(np.mean(errors))
