@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from mien.face.face import Array
+import numpy as np
+
+from mien.face.face import Array, Ints
 from mien.face.model import Bind, Hooks
 
 
@@ -27,3 +29,6 @@ class Origin:
     """VRM expression that a key model is, by its name."""
     overrides: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
     """What VRM expressions take "blink", "lookAt" and "mouth" away: "block" or "blend"."""
+    order: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.int32))
+    """(V,) which of the file's vertices, primitive after primitive, each of the face's is. Not kept
+    in a character file."""

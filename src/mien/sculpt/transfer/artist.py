@@ -26,6 +26,7 @@ from mien.face.face import Array
 from mien.numeric.facing import ClosestPoints
 from mien.numeric.normals import vertex_normals
 from mien.numeric.qp import solve_boxes
+from mien.sculpt.transfer.shapes import NOT_BY_POINTS
 from mien.sculpt.transfer.skin import Skin
 
 _TURNS = 3
@@ -34,7 +35,13 @@ _FREE = 0.02
 _DOUBT = 0.3
 """In the variance of what the poses show: their mixtures are guesses."""
 _SPARING = 1e-4
-"""What a weight of 1 costs, in a pose's own squared length."""
+"""What a weight of 1 costs, in a pose's own squared length ..."""
+_PRICE = 0.05
+"""... and what motion costs while it is asked which key models are in a pose at all."""
+_PART = 0.05
+"""Weight from which one is."""
+_ABSENT = 1e-6
+"""Nothing, for a solver whose bounds must differ."""
 _TOLD = 0.3
 """Part of a pose, squared, that key models must explain for it to be one of the face."""
 _SYMMETRIC = 4.0
@@ -83,12 +90,13 @@ def follow(
         return Followed(made, {})
     area = skin.areas()
     fields = np.stack([moving[name] for name in most])
-    told = _mixtures(made, fields, area).explained > _TOLD
+    able = np.where([name.startswith(NOT_BY_POINTS) for name in names], _ABSENT, 1.0)
+    told = _mixtures(made, fields, area, able).explained > _TOLD
     if not told.any():
         return Followed(made, {})
     kept = [name for name, known in zip(most, told, strict=True) if known]
     prior = _prior(made) * (1.0 - sure)
-    found = _take_turns(made, fields[told], area, prior, _partners(names), turned)
+    found = _take_turns(made, fields[told], area, able, prior, _partners(names), turned)
     mixtures = {
         pose: {name: float(level) for name, level in zip(names, row, strict=True) if level > 0.05}
         for pose, row in zip(kept, found.weights, strict=True)
@@ -137,27 +145,26 @@ class _Mixed:
     """(M,) part of each pose, squared."""
 
 
-def _mixtures(made: Array, poses: Array, area: Array) -> _Mixed:
-    """How much of each key model is in each pose, by bounded least squares over the skin."""
+def _mixtures(made: Array, poses: Array, area: Array, most: Array) -> _Mixed:
+    """How much of each key model is in each pose, by bounded least squares over the skin, up to
+    ``most`` (K,) of each; first with a price on motion, so that key models that undo each other
+    are left out."""
     root = np.sqrt(area)[:, None]
     basis = (made * root).reshape(len(made), -1)
     wanted = (poses * root).reshape(len(poses), -1)
-    size = (wanted**2).sum(axis=1)
     gram = basis @ basis.T
-    sparing = _SPARING * np.eye(len(made))
-    weights = np.stack(
-        [
-            solve_boxes(
-                (gram / length + sparing)[None],
-                -(basis @ pose / length)[None],
-                np.zeros(len(made)),
-                np.ones(len(made)),
-            )[0]
-            for pose, length in zip(wanted, size, strict=True)
-        ]
-    )
-    left = ((wanted - weights @ basis) ** 2).sum(axis=1)
-    return _Mixed(weights, 1.0 - left / size)
+    reach = np.sqrt(np.diag(gram))
+    none = np.zeros(len(made))
+    weights = []
+    for pose in wanted:
+        length = float(pose @ pose)
+        hessian = (gram / length + _SPARING * np.eye(len(made)))[None]
+        onto = basis @ pose / length
+        priced = _PRICE * reach / np.sqrt(length) - onto
+        few = solve_boxes(hessian, priced[None], none, most)[0] > _PART
+        weights.append(solve_boxes(hessian, -onto[None], none, np.where(few, most, _ABSENT))[0])
+    left = ((wanted - np.stack(weights) @ basis) ** 2).sum(axis=1)
+    return _Mixed(np.stack(weights), 1.0 - left / (wanted**2).sum(axis=1))
 
 
 @dataclass(frozen=True, slots=True)
@@ -170,6 +177,7 @@ def _take_turns(
     made: Array,
     poses: Array,
     area: Array,
+    able: Array,
     prior: Array,
     partners: NDArray[np.intp],
     turned: _Mirror,
@@ -179,7 +187,7 @@ def _take_turns(
     belief = np.concatenate([np.ones(poses.shape[:2]), np.tile(turned.belief, (len(poses), 1))])
     current = made
     for _ in range(_TURNS):
-        weights = _mixtures(current, poses, area).weights
+        weights = _mixtures(current, poses, area, able).weights
         mixed = np.concatenate([weights, weights[:, partners]])
         current = made + _corrections(made, both, mixed, prior, belief)
     return _Turns(current, weights)

@@ -14,7 +14,7 @@ _SPEAKER = "woman"
 """Whose visemes are transferred: the generic face has none."""
 _EXPRESSIONS = ("smile", "sad", "anger", "fear", "disgust", "surprise")
 _BLINKS = ("blink_left", "blink_right")
-_NOT_BY_POINTS = ("eyeLook", "mouthClose", "tongueOut")
+NOT_BY_POINTS = ("eyeLook", "mouthClose", "tongueOut")
 """Key models that no feature point tells: driven by gaze, by jawOpen's neighbour, or not at all."""
 
 
@@ -41,7 +41,7 @@ def driven(character: Character, chosen: str) -> Character:
     if chosen != "arkit":
         return character
     names = character.keys.names
-    acting = tuple(name for name in names if not name.startswith(_NOT_BY_POINTS))
+    acting = tuple(name for name in names if not name.startswith(NOT_BY_POINTS))
     return replace(
         character,
         examples=acting,
