@@ -29,6 +29,7 @@ ROOMS = {
     "formats": "a kind of file a module",
     "live": "streams and the studio",
     "batch": "many takes by many characters",
+    "report": "the truth about one retargeting",
     "vocabulary": "the field's tables",
     "numeric": "mathematics that has never seen a face",
 }
