@@ -7,6 +7,7 @@ import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
+from threading import Lock
 from types import TracebackType
 from typing import Any
 
@@ -17,6 +18,9 @@ from mien.capture.track import KEPT, LandmarkTrack
 from mien.errors import MissingExtraError, NoFaceError
 from mien.performance.frame import Frame
 from mien.vocabulary.landmarks import ALL_LANDMARKS
+
+_TERMINAL = Lock()
+"""Of two that silence it at once, one would give it back for good as the other left it."""
 
 Progress = Callable[[int], None]
 Beside = Callable[[Frame, NDArray[np.float32] | None], None]
@@ -116,12 +120,13 @@ def _face_mesh() -> Any:
 @contextmanager
 def _quiet_stderr() -> Iterator[None]:
     """Keep what native code prints away from the terminal: no Python setting reaches it."""
-    sys.stderr.flush()
-    kept = os.dup(2)
-    with Path(os.devnull).open("wb") as sink:
-        os.dup2(sink.fileno(), 2)
-    try:
-        yield
-    finally:
-        os.dup2(kept, 2)
-        os.close(kept)
+    with _TERMINAL:
+        sys.stderr.flush()
+        kept = os.dup(2)
+        with Path(os.devnull).open("wb") as sink:
+            os.dup2(sink.fileno(), 2)
+        try:
+            yield
+        finally:
+            os.dup2(kept, 2)
+            os.close(kept)
