@@ -23,12 +23,17 @@ export const plain = (names: string[]): [string, string][] => names.map((name) =
 /** "brows_up" as a person would say it. */
 export const spoken = (name: string) => name.replaceAll("_", " ");
 
-export function note(text: string, level: "info" | "error" = "info"): void {
+type Level = "info" | "error" | "busy";
+
+/** Says something for a while; what keeps the person waiting stays until it is taken away. */
+export function note(text: string, level: Level = "info"): HTMLElement {
   const line = document.createElement("p");
   line.className = level;
   line.textContent = text;
-  find("notes").append(line);
-  setTimeout(() => line.remove(), level === "error" ? 9000 : 5000);
+  // A dialog lies over everything that is not in it.
+  (document.querySelector("dialog[open] .notes") ?? find("notes")).append(line);
+  if (level !== "busy") setTimeout(() => line.remove(), level === "error" ? 9000 : 5000);
+  return line;
 }
 
 /** A file the person chooses, or nothing. */
@@ -46,8 +51,10 @@ export function choose(accept: string): Promise<File | undefined> {
 /** A file's name, as the server takes it. */
 export const tame = (name: string) => name.replace(/[^\w .()+-]/g, "_").replace(/^\W+/, "").slice(-90);
 
-/** Brings something to the server; what it answers, or nothing where it refuses, which is told. */
-export async function bring<T>(address: string, body: BodyInit): Promise<T | undefined> {
+/** Brings something to the server, and says what is done meanwhile; what it answers, or nothing where
+ *  it refuses, which is told. */
+export async function bring<T>(address: string, body: BodyInit, meanwhile = ""): Promise<T | undefined> {
+  const busy = meanwhile ? note(meanwhile, "busy") : undefined;
   try {
     const answer = await fetch(address, { method: "PUT", body });
     const said = (await answer.json()) as T & { error?: string };
@@ -55,6 +62,8 @@ export async function bring<T>(address: string, body: BodyInit): Promise<T | und
     note(said.error ?? "the server refused it", "error");
   } catch {
     note("the server could not be reached", "error");
+  } finally {
+    busy?.remove();
   }
   return undefined;
 }

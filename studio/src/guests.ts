@@ -52,12 +52,26 @@ export class Guests {
 
   async bring(file: File): Promise<void> {
     const name = tame(file.name);
-    note(`reading ${name} and looking for its face …`);
-    const said = await bring<Admitted>(`characters/${encodeURIComponent(name)}`, file);
+    const said = await bring<Admitted>(`characters/${encodeURIComponent(name)}`, file, `Reading ${name}, and looking for its face`);
     if (!said) return;
     if (said.found) return this.arrived(said);
-    this.model = name;
-    await this.ask(said);
+    await this.mark(name, said.name, "It was not found by looking. ");
+  }
+
+  /** Asks where the face of a character is that was brought as `model`. */
+  async mark(model: string, name: string, why = ""): Promise<void> {
+    this.model = model;
+    this.given.clear();
+    this.order = [];
+    find("pickName").textContent = name;
+    find("pickWhy").textContent = `${why}Mark twelve points. Left is the character's own left: on your right when it looks at you.`;
+    find("pickFile").hidden = true;
+    this.dialog.showModal();
+    this.picker = new Picker(find<HTMLCanvasElement>("pickCanvas"), (place) => this.add(place));
+    this.show();
+    const busy = note("Fetching it", "busy");
+    await this.picker.load(`models/${encodeURIComponent(model)}`).catch(() => note("it cannot be shown", "error"));
+    busy.remove();
   }
 
   private arrived(said: Admitted): void {
@@ -65,21 +79,9 @@ export class Guests {
     this.welcome(said.name);
   }
 
-  private async ask(said: Admitted): Promise<void> {
-    this.given.clear();
-    this.order = [];
-    find("pickName").textContent = said.name;
-    find("pickWhy").textContent = "It was not found by looking. Mark these on it: left is the character's own left, on your right when it looks at you.";
-    find("pickFile").hidden = true;
-    this.dialog.showModal();
-    this.picker = new Picker(find<HTMLCanvasElement>("pickCanvas"), (place) => this.mark(place));
-    this.show();
-    await this.picker.load(`models/${encodeURIComponent(this.model)}`);
-  }
-
   private next(): Point | undefined { return POINTS.find(({ id }) => !this.order.includes(id)); }
 
-  private mark(place: [number, number, number]): void {
+  private add(place: [number, number, number]): void {
     const point = this.next();
     if (!point) return;
     this.order.push(point.id);
@@ -119,15 +121,21 @@ export class Guests {
   }
 
   private async done(): Promise<void> {
-    note("making it a character …");
+    const done = find<HTMLButtonElement>("pickDone");
+    done.disabled = true;
     const address = `models/${encodeURIComponent(this.model)}/points`;
-    const said = await bring<Admitted>(address, JSON.stringify({ points: Object.fromEntries(this.given) }));
+    const points = JSON.stringify({ points: Object.fromEntries(this.given) });
+    const said = await bring<Admitted>(address, points, "Making it a character");
+    done.disabled = false;
     if (!said) return;
     const file = find<HTMLAnchorElement>("pickFile");
     file.href = `points/${encodeURIComponent(said.name)}.toml`;
     file.download = "";
     file.hidden = false;
-    if (!said.found) return note("its face cannot be told from these points; mark them again", "error");
+    if (!said.found) {
+      note("its face cannot be told from these points; mark them again", "error");
+      return;
+    }
     this.dialog.close();
     this.arrived(said);
   }

@@ -108,8 +108,7 @@ function sources(message: StageSet): void {
 async function upload(): Promise<void> {
   const file = await choose("video/*");
   if (!file) return;
-  note(`bringing ${file.name} …`);
-  const kept = await bring<{ name: string }>(`videos/${encodeURIComponent(tame(file.name))}`, file);
+  const kept = await bring<{ name: string }>(`videos/${encodeURIComponent(tame(file.name))}`, file, `Bringing ${file.name}`);
   if (kept) void watch("video", kept.name);
 }
 
@@ -128,12 +127,20 @@ function appear(name: string): void {
 
 function castChips(message: StageSet): void {
   const cast = message.actors.map((actor) => actor.name);
-  const chips = message.characters.map((name) =>
-    button(spoken(name), () => {
+  const chips = message.characters.flatMap((name) => {
+    const chip = button(spoken(name), () => {
       const characters = cast.includes(name) ? cast.filter((other) => other !== name) : [...cast, name];
       if (characters.length) line.say({ kind: "Cast", characters });
       else note("somebody has to be on stage");
-    }, cast.includes(name)));
+    }, cast.includes(name));
+    const model = message.models.find((file) => file.replace(/\.\w+$/, "") === name.replace(/^my /, ""));
+    if (!model) return [chip];
+    const mark = button("", () => void guests.mark(model, name));
+    mark.title = mark.ariaLabel = `mark the face of ${name} by hand`;
+    mark.className = "mark";
+    mark.innerHTML = '<svg viewBox="0 0 16 16"><circle class="line" cx="8" cy="8" r="4.5" /><path class="line" d="M8 1v4M8 11v4M1 8h4M11 8h4" /></svg>';
+    return [chip, mark];
+  });
   const add = button("+ yours…", () => void guests.invite());
   add.className = "add";
   add.title = "A character of your own: GLB, VRM, or a ZIP of glTF or OBJ files (4)";
@@ -158,10 +165,10 @@ function takes(message: StageSet): void {
 /** Begins to hear as a recording begins, and keeps what was heard with its take. */
 async function keepSound(before: StageSet | undefined, now: StageSet): Promise<void> {
   if (now.recording && !before?.recording) {
-    const own = now.source === "camera" && listening;
-    const stream = own ? await navigator.mediaDevices.getUserMedia({ audio: true }).catch(() => undefined) : timeline.sound.stream();
-    if (own && !stream) note("no microphone can be used; the take will be silent", "error");
-    if (stream?.getAudioTracks().length) tape = new Tape(stream, own);
+    if (now.source !== "camera" || !listening) return;
+    const stream = await navigator.mediaDevices.getUserMedia({ audio: true }).catch(() => undefined);
+    if (stream) tape = new Tape(stream);
+    else note("no microphone can be used; the take will be silent", "error");
   } else if (!now.recording && tape) {
     const [heard, take] = [tape, now.takes.find((name) => !before?.takes.includes(name)) ?? now.takes.at(-1)];
     tape = undefined;

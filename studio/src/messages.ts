@@ -93,6 +93,7 @@ export interface StageSet {
   session: string;
   actors: Actor[];
   characters: string[];
+  models: string[];
   captures: string[];
   mappings: string[];
   videos: string[];

@@ -89,13 +89,6 @@ export class Picker {
     this.renderer.dispose();
   }
 
-  /** Where a place of the character is on the page; for those who point by program. */
-  onPage(place: Place): [number, number] {
-    const seen = new Vector3(...place).project(this.camera);
-    const box = this.canvas.getBoundingClientRect();
-    return [box.left + ((seen.x + 1) / 2) * box.width, box.top + ((1 - seen.y) / 2) * box.height];
-  }
-
   private key(event: KeyboardEvent): void {
     const ways: Record<string, () => void> = {
       ArrowLeft: () => this.turn(-STEP, 0), ArrowRight: () => this.turn(STEP, 0),

@@ -39,24 +39,15 @@ export class Sound {
     if (!this.on) this.audio.pause();
     return this.on;
   }
-
-  /** How far the sound is from what is shown, seconds; for those who want to know. */
-  get place(): number { return this.audio.currentTime; }
-
-  /** What this plays, as something that can be recorded. */
-  stream(): MediaStream | undefined {
-    const element = this.audio as HTMLAudioElement & { captureStream?: () => MediaStream };
-    return this.audio.dataset.address && this.audio.duration ? element.captureStream?.() : undefined;
-  }
 }
 
-/** Records a stream's sound. */
+/** Records what the microphone hears. */
 export class Tape {
   private readonly chunks: Blob[] = [];
   private readonly recorder: MediaRecorder;
 
-  constructor(private readonly stream: MediaStream, private readonly own: boolean) {
-    this.recorder = new MediaRecorder(new MediaStream(stream.getAudioTracks()));
+  constructor(private readonly stream: MediaStream) {
+    this.recorder = new MediaRecorder(stream);
     this.recorder.ondataavailable = (event) => this.chunks.push(event.data);
     this.recorder.start();
   }
@@ -66,7 +57,7 @@ export class Tape {
     const ended = new Promise((told) => { this.recorder.onstop = told; });
     this.recorder.stop();
     await ended;
-    if (this.own) this.stream.getTracks().forEach((track) => track.stop());
+    this.stream.getTracks().forEach((track) => track.stop());
     const audio = new OfflineAudioContext(1, 1, RATE);
     const heard = await audio.decodeAudioData(await new Blob(this.chunks).arrayBuffer());
     await bring(`takes/${encodeURIComponent(take)}/sound`, wave(heard));

@@ -1,23 +1,37 @@
 // The characters, side by side in one canvas.
 
 import {
-  ACESFilmicToneMapping, AmbientLight, Box3, DirectionalLight, HemisphereLight, Mesh, type Object3D, PerspectiveCamera,
+  ACESFilmicToneMapping, AmbientLight, Box3, type BufferAttribute, DirectionalLight, HemisphereLight, Mesh, type Object3D, PerspectiveCamera,
   Scene, Vector3, WebGLRenderer,
 } from "three";
 import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 import type { Actor } from "./messages";
 import type { Acting } from "./packet";
 
-/** Metres from the eyes to the top of the head and to the side, for whom the camera stands where it does. */
-const USUAL = { above: 0.135, aside: 0.115 };
-const FARTHEST = 1.9;
+/** Metres that are seen of a head without a body, about it. */
+const ROOM = 1.15;
+/** Degrees from top to bottom. */
+const FIELD = 16;
+/** Width over height of a cell in which a face just has room. */
+const SLIM = 0.72;
 
 /** Rows of the weights that move each mesh, in the mesh's own order. */
 interface Moved { mesh: Mesh; rows: number[] }
 
+/** The box of what is at rest; three.js would make room for every morph target at once. */
+function boxOf(root: Object3D): Box3 {
+  const box = new Box3();
+  root.updateWorldMatrix(true, true);
+  root.traverse((object) => {
+    const places = object instanceof Mesh ? (object.geometry.getAttribute("position") as BufferAttribute) : undefined;
+    if (places) box.union(new Box3().setFromBufferAttribute(places).applyMatrix4(object.matrixWorld));
+  });
+  return box;
+}
+
 class Player {
   readonly scene = new Scene();
-  readonly camera = new PerspectiveCamera(16, 1, 0.1, 10);
+  readonly camera = new PerspectiveCamera(FIELD, 1, 0.1, 20);
   private root?: Object3D;
   private rest: [number, number, number] = [0, 0, 0];
   private moved: Moved[] = [];
@@ -49,17 +63,19 @@ class Player {
       }
     });
     this.scene.add(scene);
-    this.stepBack(scene);
+    this.frame(scene);
   }
 
-  /** Whoever has long ears or a wide head is seen from farther away. */
-  private stepBack(scene: Object3D): void {
+  /** Whoever has no body is seen whole, and in the middle. */
+  private frame(scene: Object3D): void {
     const head = scene.getObjectByName("head");
-    if (!head) return;
-    const box = new Box3().setFromObject(head);
-    const reach = box.getSize(new Vector3());
-    const away = Math.max(box.max.y / USUAL.above, reach.x / 2 / USUAL.aside, 1);
-    this.camera.position.z *= Math.min(away, FARTHEST);
+    const box = head && boxOf(head);
+    if (!box || boxOf(scene).min.y < box.min.y - 0.02) return;
+    const size = box.getSize(new Vector3());
+    const middle = box.getCenter(new Vector3());
+    const away = (ROOM * Math.max(size.y, size.x / SLIM)) / 2 / Math.tan((FIELD * Math.PI) / 360);
+    this.camera.position.set(0, middle.y, box.max.z + away);
+    this.camera.lookAt(0, middle.y, 0);
   }
 
   act(acting: Acting): void {
@@ -88,7 +104,7 @@ export class Theatre {
   constructor(private readonly canvas: HTMLCanvasElement, private readonly plates: HTMLElement) {
     this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true });
     this.renderer.toneMapping = ACESFilmicToneMapping;
-    this.renderer.setScissorTest(true);
+    this.renderer.autoClear = false;
     new ResizeObserver(() => this.fit()).observe(canvas.parentElement ?? canvas);
     const draw = (now: number) => {
       requestAnimationFrame(draw);
@@ -133,8 +149,10 @@ export class Theatre {
     const count = this.players.length;
     const columns = count > 2 && width < 1.4 * height ? 2 : Math.max(count, 1);
     const rows = Math.ceil(count / columns);
+    // A last row that is not full stands in the middle.
+    const aside = (i: number) => (i >= count - (count % columns) ? ((columns - (count % columns)) * width) / columns / 2 : 0);
     return this.players.map((_, i) => ({
-      x: ((i % columns) * width) / columns,
+      x: ((i % columns) * width) / columns + aside(i),
       y: (Math.floor(i / columns) * height) / rows,
       w: width / columns,
       h: height / rows,
@@ -160,16 +178,17 @@ export class Theatre {
 
   private draw(): void {
     this.stale = false;
-    const height = this.canvas.clientHeight;
+    const { clientWidth: width, clientHeight: height } = this.canvas;
+    this.renderer.clear();
     this.cells().forEach((cell, i) => {
       const player = this.players[i];
       if (!player) return;
       player.camera.aspect = cell.w / cell.h;
       // A narrow cell keeps the whole face in view.
-      player.camera.fov = 16 * Math.max(1, 0.72 / player.camera.aspect);
-      player.camera.updateProjectionMatrix();
-      this.renderer.setViewport(cell.x, height - cell.y - cell.h, cell.w, cell.h);
-      this.renderer.setScissor(cell.x, height - cell.y - cell.h, cell.w, cell.h);
+      player.camera.fov = FIELD * Math.max(1, SLIM / player.camera.aspect);
+      // Each has a cell, but whoever leans over is not cut off at its border.
+      player.camera.setViewOffset(cell.w, cell.h, -cell.x, -cell.y, width, height);
+      this.renderer.clearDepth();
       this.renderer.render(player.scene, player.camera);
     });
   }

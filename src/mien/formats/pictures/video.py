@@ -116,7 +116,7 @@ def open_video(
     selfie take. Phone rotation (display matrix) and pixel aspect are honoured.
     Raises FormatError.
     """
-    with _container(path) as container:
+    with open_container(path) as container:
         stream = _stream(container, path)
         _check_side(path, stream.width, stream.height)
         _check_whole(path, stream)
@@ -157,7 +157,7 @@ def require_frames(name: str, shown: int, start: float, end: float) -> None:
 
 def _decoded(video: Video) -> Iterator[tuple[VideoFrame, float]]:
     """Frames with the file's own times, in the order they are shown."""
-    with _container(video.path) as container:
+    with open_container(video.path) as container:
         stream = _stream(container, video.path)
         stream.thread_type = "AUTO"
         sought = video.start > _SEEK_BEYOND
@@ -182,7 +182,9 @@ def _decoded(video: Video) -> Iterator[tuple[VideoFrame, float]]:
             _check_ended(video, container, stream, packets, stamp)
 
 
-def _container(path: Path) -> InputContainer:
+def open_container(path: Path) -> InputContainer:
+    """A video file under ffmpeg's roof: kinds that are known, and no file beside it. Raises
+    FormatError."""
     options = {"format_whitelist": _CONTAINERS, "protocol_whitelist": "file"}
     try:
         return av.open(f"file:{path}", options=options, metadata_errors="replace")

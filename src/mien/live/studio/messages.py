@@ -132,6 +132,7 @@ class StageSet:
     session: str
     actors: list[Actor]
     characters: list[str]
+    models: list[str]
     captures: list[str]
     mappings: list[str]
     videos: list[str]

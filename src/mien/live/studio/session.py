@@ -7,7 +7,6 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import singledispatchmethod
 from importlib import resources
-from pathlib import Path
 from queue import Empty, Full, Queue
 from secrets import token_urlsafe
 from threading import Event, Thread
@@ -19,11 +18,11 @@ from mien.capture.stepping import STEPPERS, LandmarkStepper, Stepper, meet
 from mien.errors import InputError, MienError
 from mien.face.character import Character
 from mien.formats.performer_file import read_performer, write_performer
-from mien.formats.takes.recording import Recorder
 from mien.live.stage import Moment, Stage
 from mien.live.studio import packet
 from mien.live.studio.adjust import Desk
 from mien.live.studio.coach import HELD, Coach
+from mien.live.studio.keeping import Keeping
 from mien.live.studio.messages import (
     Actor,
     Adjust,
@@ -42,7 +41,7 @@ from mien.live.studio.messages import (
     Told,
     Way,
 )
-from mien.live.studio.shelf import PERFORMERS, TAKES, VIDEOS, Shelf
+from mien.live.studio.shelf import MODELS, PERFORMERS, TAKES, VIDEOS, Shelf
 from mien.live.studio.sources import Arrived, Film, PageCamera, Recorded, Source, Tape
 from mien.live.studio.troupe import Troupe, targets
 from mien.mapping import MAPPERS, Settings
@@ -79,8 +78,7 @@ class Session:
         self._desk = Desk()
         self._coach = Coach()
         self._performer = Performer()
-        self._recorder: Recorder | None = None
-        self._recording: Path | None = None
+        self._keeping: Keeping | None = None
         self._messages: Queue[Message] = Queue(_WAITING)
         self._stop = Event()
         self._thread = Thread(target=self._work, name="mien-session", daemon=True)
@@ -217,6 +215,7 @@ class Session:
 
     @_do.register
     def _(self, message: Look) -> None:
+        self._finish_recording()
         self._look_away()
         self._source = self._opened(message)
         self._look = message
@@ -226,7 +225,7 @@ class Session:
     def _(self, message: Recording) -> None:
         self._finish_recording()
         if message.on:
-            self._recording = self._shelf.new_take()
+            self._keeping = Keeping(self._shelf.new_take())
         self._announce()
 
     @_do.register
@@ -288,6 +287,7 @@ class Session:
                 session=self.name,
                 actors=[self._actor(name) for name in self._characters],
                 characters=self._troupe.names(),
+                models=self._shelf.names(MODELS),
                 captures=list(STEPPERS),
                 mappings=list(MAPPERS),
                 videos=self._shelf.names(VIDEOS),
@@ -298,7 +298,7 @@ class Session:
                 source=self._look.source,
                 name=self._look.name,
                 sound=self._sound(),
-                recording=self._recording is not None,
+                recording=self._keeping is not None,
             )
         )
 
@@ -328,7 +328,9 @@ class Session:
             if self._way.mirror and self._look.source == "camera":
                 item = replace(item, image=item.image[:, ::-1].copy())
             moment = self._stage.see(item)
-            self._record(moment)
+            if self._keeping is not None and moment.performance is not None:
+                place = arrived.place[0] if arrived.place else None
+                self._keeping.write(moment.performance, place)
             self._teach(moment)
         else:
             moment = self._stage.show(item)
@@ -350,16 +352,11 @@ class Session:
         if learnt.task == "face" and learnt.quality != "refused":
             self._set_stage()
 
-    def _record(self, moment: Moment) -> None:
-        if self._recording is None or moment.performance is None:
-            return
-        self._recorder = self._recorder or Recorder(self._recording, moment.performance)
-        self._recorder.write(moment.performance)
-
     def _finish_recording(self) -> None:
-        if self._recorder is not None:
-            self._recorder.close()
-        self._recorder = self._recording = None
+        keeping, self._keeping = self._keeping, None
+        if keeping is not None:
+            film = self._look.source == "video"
+            keeping.close(self._shelf.there(self._look.name, VIDEOS) if film else None)
 
     def _packet(self, arrived: Arrived, moment: Moment) -> bytes:
         late = 1e3 * (perf_counter() - arrived.at)
