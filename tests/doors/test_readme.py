@@ -32,7 +32,7 @@ from mien.performance.marker_take import MarkerTake
 from takes import WORN, c3d
 
 RUN = (ROOT / "README.md", ROOT / "docs" / "tutorial.md")
-READ = tuple(sorted((ROOT / "docs" / "guides").glob("*.md")))
+READ = (*sorted((ROOT / "docs" / "guides").glob("*.md")), ROOT / "docs" / "figures.md")
 OTHERS = ("make", ".", "blender", "dask")
 """Words that begin lines which are not mien's."""
 
