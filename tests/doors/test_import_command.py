@@ -11,7 +11,7 @@ from PIL import Image
 from terminal import mien
 
 from actors import shown
-from guests import SHAPES, guest, write_guest
+from guests import PICKS, SHAPES, guest, write_guest
 from mien.formats.takes.mien_file import write_performance
 
 
@@ -38,6 +38,34 @@ def test_import_then_animate(here: Path) -> None:
     assert content[:4] == b"glTF"
     assert b'"name":"take"' in content
     assert (here / "guest.glb").stat().st_size < len(content)
+
+
+def test_a_folder_with_blanks_is_taken_in_beside_itself(here: Path) -> None:
+    """-o NAME where a folder of that name is the character's own."""
+    character, folder = guest(SHAPES[:2]), here / "my fox"
+    folder.mkdir()
+    faces = "".join("f {} {} {}\n".format(*row) for row in character.face.triangles + 1)
+    one, two = (character.keys[name] for name in SHAPES[:2])
+    shapes = {"base": np.zeros(3), "one": one, "two": two}
+    for name, moved in shapes.items():
+        places = "".join("v {} {} {}\n".format(*row) for row in character.face.vertices + moved)
+        (folder / f"{name}.obj").write_text(places + faces)
+    lines = [f'"{fdp}" = {character.face.point(fdp).tolist()}' for fdp in PICKS]
+    (here / "my points.toml").write_text("[points]\n" + "\n".join(lines) + "\n")
+    done = mien(
+        *("character", "import", "my fox", "--points", "my points.toml", "--units", "mm"),
+        *("-o", "my fox"),
+        cwd=here,
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.splitlines()[-1] == "my fox.character"
+    assert sorted(file.name for file in folder.iterdir()) == ["base.obj", "one.obj", "two.obj"]
+
+
+def test_whoever_animates_is_sent_where_they_can_say_the_unit(here: Path) -> None:
+    done = mien("animate", "wink.mien", "-c", "my fox", "-o", "x.glb", cwd=here)
+    assert done.returncode == 1
+    assert "mien character import" in done.stderr
 
 
 def test_check_tells_what_each_shape_does(here: Path) -> None:

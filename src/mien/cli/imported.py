@@ -174,4 +174,6 @@ def _output(given: Path | None, source: Path) -> Path:
         return given
     if given.suffix:
         raise InputError(f"-o {given}: import writes {ENDING} files")
-    return given / f"{stem}{ENDING}" if given.is_dir() else Path(f"{given}{ENDING}")
+    # A character's own folder is no place for results: -o fox beside fox/ is a name.
+    into = given.is_dir() and given.resolve() != source.resolve()
+    return given / f"{stem}{ENDING}" if into else Path(f"{given}{ENDING}")

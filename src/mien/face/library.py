@@ -30,7 +30,8 @@ def load_character(name_or_path: str | Path) -> Character:
         return read_character(character_file(name))
     if not Path(name).exists():
         raise InputError(
-            f"{name}: no such character; there are {', '.join(CHARACTERS)}, or name a file (.npz)"
+            f"{name}: no such character; there are {', '.join(CHARACTERS)}, "
+            "or name a file (.character)"
         )
     return read_character(name)
 

@@ -29,6 +29,10 @@ FORMATS: Mapping[str, Callable[[Path], Model]] = {
 """How a file is read, by its ending; a folder holds OBJ files."""
 ANY_SIZE = "face"
 """The unit of a face whose size does not count."""
+_ASK_UNIT = (
+    f"take it in by 'mien character import' with --units {', '.join(UNITS)}, or {ANY_SIZE} where "
+    "the size does not count"
+)
 _HUMAN = (35.0, 110.0)
 """mm between the pupils of what may be a face, where a file says metres."""
 
@@ -144,10 +148,7 @@ def _unit(model: Model, picks: Picks, units: str | None, path: Path) -> float | 
         if model.hooks.vrm is not None or _HUMAN[0] < apart < _HUMAN[1]:
             return model.unit
         raise InputError(
-            f"{path}: its unit cannot be told (in metres its eyes are {apart:.4g} mm apart); say "
-            f"--units {', '.join(UNITS)}, or {ANY_SIZE} where the size does not count"
+            f"{path}: its unit cannot be told (in metres its eyes are {apart:.4g} mm apart); "
+            + _ASK_UNIT
         )
-    raise InputError(
-        f"{path}: its unit cannot be told; say --units {', '.join(UNITS)}, or {ANY_SIZE} where the "
-        "size does not count"
-    )
+    raise InputError(f"{path}: its unit cannot be told; {_ASK_UNIT}")

@@ -51,8 +51,8 @@ def find_points(model: Model, path: Path) -> Picks:
                 if places is not None:
                     return {name: place * turned for name, place in places.items()}
     raise NoFaceError(
-        f"{path}: no face was seen on it; give feature points with --points FILE, at least "
-        + ", ".join(pair[0] for pair in NEEDED)
+        f"{path}: no face was seen on it; take it in by 'mien character import' with --points FILE "
+        "of feature points, at least " + ", ".join(pair[0] for pair in NEEDED)
     )
 
 
