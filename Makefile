@@ -9,7 +9,7 @@
 #   make clean   remove what make made
 
 .DEFAULT_GOAL := demo
-.PHONY: env demo test check format studio docs papers clean
+.PHONY: env demo test check format studio docs papers docs-env clean
 
 export UV_PYTHON_DOWNLOADS := never
 export UV_PROJECT_ENVIRONMENT := .venv
@@ -58,12 +58,14 @@ studio: env
 	../$(BIN)/python -m mien.live.studio.messages > src/messages.ts && npm run --silent build
 
 # The site: links that lead nowhere fail, and nothing in it is fetched from elsewhere when it is read.
-docs: env
-	@$(UV) sync --quiet --frozen --inexact $(EXTRAS) --group docs --python $(or $(PYTHON),3)
+docs: docs-env
 	@NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
 
-papers: env
+papers: docs-env
 	@$(BIN)/python docs/reproduce.py
+
+docs-env: env
+	@$(UV) sync --quiet --frozen --inexact $(EXTRAS) --group docs --python $(or $(PYTHON),3)
 
 format: env
 	@$(BIN)/ruff check --fix --quiet .

@@ -88,7 +88,7 @@ def _check(words: list[str]) -> None:
     if words[0].endswith("mien"):
         main._parser().parse_args(words[1:])
     elif words[0] == "make":
-        targets = re.findall(r"^(\w+):", (ROOT / "Makefile").read_text(), re.M)
+        targets = re.findall(r"^([\w-]+):", (ROOT / "Makefile").read_text(), re.M)
         assert set(words[1:]) <= set(targets)
     elif words[0].endswith("python"):
         assert (ROOT / words[1]).is_file(), words
