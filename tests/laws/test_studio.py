@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import struct
+import sys
 import time
 from collections.abc import Iterator
 from contextlib import ExitStack
@@ -30,6 +31,7 @@ from mien.live.studio.shelf import VIDEOS, Shelf
 from mien.live.studio.troupe import targets
 from mien.performance.arkit_frame import ArkitFrame, performance_of
 from mien.performance.performance import Performance
+from mien.performance.performer import HeldFace, Performer
 from mien.recipe import animate
 from mien.vocabulary.arkit import names
 
@@ -260,3 +262,26 @@ def test_a_shelf_has_names_only_for_what_it_keeps(shelf: Shelf) -> None:
     for name in ("../a.mp4", "/etc/passwd", "a/b.mp4", "", "x" * 300 + ".mp4"):
         with pytest.raises(InputError):
             shelf.there(name, VIDEOS)
+
+
+def test_without_the_networks_a_page_begins_with_the_curves_and_says_so(
+    client: TestClient, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for module in ("mien.capture.stepping", "mien.live.studio.session"):
+        monkeypatch.setattr(sys.modules[module], "installed", lambda: False)
+    with client.websocket_connect("/live") as socket:
+        stage = told(socket, "StageSet")
+        assert stage["captures"] == ["snakes"]
+        assert stage["way"]["capture"] == "snakes"
+        assert "not installed" in told(socket, "Note")["text"]
+        way = {"capture": "landmarks", "mapping": "cardinal", "gain": 1.0, "mirror": False}
+        socket.send_text(json.dumps({"kind": "Way", **way}))
+        assert told(socket, "Note")["level"] == "error"
+
+
+def test_every_page_begins_with_the_performer_that_is_known(shelf: Shelf, tmp_path: Path) -> None:
+    face = HeldFace("landmarks", "", {"smile": 1.0}, np.ones((3, 3)), np.zeros(3), np.zeros(2))
+    known = Performer(held=(face,))
+    app = studio(shelf, Rules(frozenset(("testserver",))), tmp_path, known)
+    with TestClient(app) as client, client.websocket_connect("/live") as socket:
+        assert len(told(socket, "StageSet")["faces"]) == 1

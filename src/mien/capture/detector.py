@@ -6,6 +6,7 @@ import os
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
+from importlib.util import find_spec
 from pathlib import Path
 from threading import Lock
 from types import TracebackType
@@ -24,6 +25,17 @@ _TERMINAL = Lock()
 
 Progress = Callable[[int], None]
 Beside = Callable[[Frame, NDArray[np.float32] | None], None]
+
+
+WITHOUT = (
+    "the landmark networks are not installed (pip install 'mien[landmarks]'); "
+    "faces are followed by their curves (snakes)"
+)
+
+
+def installed() -> bool:
+    """Whether the networks are there."""
+    return find_spec("mediapipe") is not None
 
 
 class Detector:

@@ -15,7 +15,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.capture.detector import Detector
+from mien.capture.detector import Detector, installed
 from mien.capture.known import curve_calibration, landmark_calibration
 from mien.capture.landmarks import Calibration, calibrate, perform, with_shut
 from mien.capture.neutral import ground
@@ -291,6 +291,13 @@ STEPPERS: Mapping[str, Callable[[], Stepper]] = {
     "tracker": TrackerStepper,
 }
 """Captures that can be stepped, by the name of the capture."""
+_OWN = ("snakes",)
+"""Those that need no networks."""
+
+
+def available() -> tuple[str, ...]:
+    """What can be stepped here, the default first: without the landmark networks the curves."""
+    return tuple(STEPPERS) if installed() else _OWN
 
 
 def meet(capture: str, performer: Performer | None) -> Stepper:

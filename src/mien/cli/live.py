@@ -49,8 +49,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--capture",
         metavar="NAME",
-        default="landmarks",
-        help="how a face is followed (default: %(default)s)",
+        help="how a face is followed: landmarks, snakes or tracker (default: landmarks, or snakes "
+        "where the landmark networks are not installed)",
     )
     parser.add_argument(
         "--performer",
@@ -129,21 +129,25 @@ def _source(options: argparse.Namespace) -> tuple[Iterable[Live], Stepper | None
     """What gives frames, and what looks at them where they are pictures."""
     if options.hear is not None:
         return _receiver(options), None
-    from mien.capture.stepping import STEPPERS, meet
+    from mien.capture.detector import WITHOUT, installed
+    from mien.capture.stepping import STEPPERS, available, meet
     from mien.formats.performer_file import read_performer
     from mien.formats.pictures.camera import open_camera
     from mien.formats.pictures.sources import open_source
     from mien.live.run import in_real_time
 
-    if options.capture not in STEPPERS:
-        raise InputError(f"--capture {options.capture}: live there are {', '.join(STEPPERS)}")
+    capture = options.capture or available()[0]
+    if capture not in STEPPERS:
+        raise InputError(f"--capture {capture}: live there are {', '.join(STEPPERS)}")
+    if options.capture is None and not installed():
+        print(f"mien: {WITHOUT}", file=sys.stderr)
     frames: Iterable[Live]
     if options.video is not None:
         frames = in_real_time(open_source(options.video, mirror=options.mirror))
     else:
         frames = open_camera(options.camera or 0, options.seconds or _FOREVER, options.mirror)
     known = None if options.performer is None else read_performer(options.performer)
-    return frames, meet(options.capture, known)
+    return frames, meet(capture, known)
 
 
 def _receiver(options: argparse.Namespace) -> Iterable[Live]:

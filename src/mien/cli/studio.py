@@ -25,6 +25,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
         default=Path("mien-studio"),
         help="where uploaded videos and recorded takes are kept (%(default)s)",
     )
+    parser.add_argument(
+        "--performer",
+        type=Path,
+        metavar="FILE.performer",
+        help="what is known of the performer (see 'mien calibrate')",
+    )
     parser.add_argument("--no-browser", action="store_true", help="open no browser")
 
 
@@ -32,6 +38,8 @@ def run(options: argparse.Namespace) -> None:
     try:
         import uvicorn
 
+        from mien.capture.detector import WITHOUT, installed
+        from mien.formats.performer_file import read_performer
         from mien.live.studio.safety import LOOPBACK, Rules
         from mien.live.studio.server import studio
         from mien.live.studio.shelf import Shelf
@@ -42,10 +50,13 @@ def run(options: argparse.Namespace) -> None:
         hosts=LOOPBACK if local else LOOPBACK | {options.host},
         token="" if local else secrets.token_urlsafe(24),
     )
-    app = studio(Shelf(options.folder), rules)
+    known = None if options.performer is None else read_performer(options.performer)
+    app = studio(Shelf(options.folder), rules, performer=known)
     door = _bound(options.host, options.port)
     address = _address(options.host, door.getsockname()[1], rules.token)
     print(f"the studio is at {address} (Ctrl-C ends it)", flush=True)
+    if not installed():
+        print(WITHOUT, flush=True)
     if not options.no_browser:
         webbrowser.open(address)
     config = uvicorn.Config(app, log_level="error", ws="wsproto", ws_max_size=_LARGEST_MESSAGE)

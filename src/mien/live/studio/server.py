@@ -56,6 +56,7 @@ from mien.live.studio.shelf import (
     Shelf,
 )
 from mien.live.studio.troupe import Troupe
+from mien.performance.performer import Performer
 from mien.recipe import animate
 
 PAGE = Path(__file__).with_name("page")
@@ -70,9 +71,12 @@ Handler = Callable[[Request], Awaitable[Response]]
 Picks = Mapping[str, Sequence[float]]
 
 
-def studio(shelf: Shelf, rules: Rules, page: Path = PAGE) -> Starlette:
-    """The application. Without a built ``page`` it says so where the page would be."""
-    server = _Server(shelf)
+def studio(
+    shelf: Shelf, rules: Rules, page: Path = PAGE, performer: Performer | None = None
+) -> Starlette:
+    """The application; every page begins with ``performer``. Without a built ``page`` it says so
+    where the page would be."""
+    server = _Server(shelf, performer)
     put = ["PUT"]
     routes = [
         Route("/characters/{name}.glb", server.character, methods=["GET"]),
@@ -112,8 +116,8 @@ async def _told(request: Request, error: Exception) -> Response:
 
 
 class _Server:
-    def __init__(self, shelf: Shelf) -> None:
-        self._shelf, self._troupe = shelf, Troupe(shelf)
+    def __init__(self, shelf: Shelf, performer: Performer | None) -> None:
+        self._shelf, self._troupe, self._performer = shelf, Troupe(shelf), performer
         self._sessions: dict[str, Session] = {}
         self._admitting = asyncio.Lock()
 
@@ -202,7 +206,7 @@ class _Server:
             await socket.close(4429, f"{MOST_PAGES} pages are open already")
             return
         outbox = _Outbox(asyncio.get_running_loop())
-        session = Session(self._shelf, self._troupe, outbox.put)
+        session = Session(self._shelf, self._troupe, outbox.put, self._performer)
         self._sessions[session.name] = session
         await socket.accept()
         session.start()

@@ -13,8 +13,9 @@ from threading import Event, Thread
 from time import perf_counter
 from urllib.parse import quote
 
+from mien.capture.detector import WITHOUT, installed
 from mien.capture.known import landmark_section
-from mien.capture.stepping import STEPPERS, LandmarkStepper, Stepper, meet
+from mien.capture.stepping import LandmarkStepper, Stepper, available, meet
 from mien.errors import InputError, MienError
 from mien.face.character import Character
 from mien.formats.performer_file import read_performer, write_performer
@@ -64,11 +65,14 @@ Tell = Callable[[Told | bytes], None]
 class Session:
     """What one page does. Safe to talk to from the server's thread."""
 
-    def __init__(self, shelf: Shelf, troupe: Troupe, tell: Tell) -> None:
+    def __init__(
+        self, shelf: Shelf, troupe: Troupe, tell: Tell, performer: Performer | None = None
+    ) -> None:
+        """``performer`` is what is known of whoever will be seen."""
         self.name = token_urlsafe(9)
         """Nobody else's page knows it."""
         self._shelf, self._troupe, self._tell = shelf, troupe, tell
-        self._way = Way(next(iter(STEPPERS)), next(iter(MAPPERS)), 1.0, False)
+        self._way = Way(available()[0], next(iter(MAPPERS)), 1.0, False)
         self._characters = troupe.names()[:2]
         self._source: Source | None = None
         self._look = Look("none")
@@ -76,8 +80,8 @@ class Session:
         self._stepper: Stepper | None = None
         self._stage = Stage()
         self._desk = Desk()
-        self._coach = Coach()
-        self._performer = Performer()
+        self._performer = performer or Performer()
+        self._coach = Coach(list(self._performer.held))
         self._keeping: Keeping | None = None
         self._messages: Queue[Message] = Queue(_WAITING)
         self._stop = Event()
@@ -124,6 +128,8 @@ class Session:
     def _work(self) -> None:
         try:
             self._set_stage()
+            if not installed():
+                self._tell(Note(WITHOUT, "info"))
             while not self._stop.is_set():
                 try:
                     self._obey()
@@ -159,7 +165,7 @@ class Session:
 
     @_do.register
     def _(self, message: Way) -> None:
-        if message.capture not in STEPPERS or message.mapping not in MAPPERS:
+        if message.capture not in available() or message.mapping not in MAPPERS:
             raise InputError("there is no such capture or mapping")
         again = message.capture != self._way.capture or message.mirror != self._way.mirror
         self._way = message
@@ -288,7 +294,7 @@ class Session:
                 actors=[self._actor(name) for name in self._characters],
                 characters=self._troupe.names(),
                 models=self._shelf.names(MODELS),
-                captures=list(STEPPERS),
+                captures=list(available()),
                 mappings=list(MAPPERS),
                 videos=self._shelf.names(VIDEOS),
                 takes=self._shelf.names(TAKES),
