@@ -15,7 +15,7 @@ from mien.errors import InputError, MissingExtraError
 
 NEED = 2**30
 """Bytes that a worker should have: about twice what capturing a take of some minutes takes."""
-_PATIENCE = 10
+PATIENCE = 10
 """Seconds to wait for a scheduler to answer."""
 _SETTINGS = {
     # A task that kills its worker, by its memory or otherwise, is tried once more and no oftener.
@@ -49,7 +49,7 @@ def client_of(scheduler: str | None, workers: int | None, room: Path) -> Iterato
                     n_workers=count,
                     threads_per_worker=1,
                     memory_limit=memory() // count,
-                    dashboard_address=None,
+                    dashboard_address="127.0.0.1:0",
                     local_directory=room,
                     silence_logs=logging.CRITICAL,
                 )
@@ -74,7 +74,7 @@ def _called(address: str) -> Any:
     from distributed import Client
 
     try:
-        return Client(address, timeout=_PATIENCE)
+        return Client(address, timeout=PATIENCE)
     except (OSError, ValueError) as error:
         raise InputError(
             f"--scheduler {address}: nobody answers there; start one with 'dask scheduler' and "
