@@ -36,6 +36,7 @@ _CURVES: Mapping[str, Shape] = {
     "neutral": (len(POINTS), 3),
     "lids_open": (2,),
     "lids_shut": (2,),
+    "gaze": (2, 2),
     "place": (3,),
     "focal": (),
     "rest": (MOUTH, 6, 2),
@@ -87,6 +88,7 @@ def curve_section(
         "neutral": known.neutral,
         "lids_open": known.lids.open,
         "lids_shut": known.lids.shut,
+        "gaze": known.gaze,
         "place": known.place,
         "focal": np.array(known.focal),
         "rest": look.rest,
@@ -115,6 +117,7 @@ def curve_calibration(
     calibration = reading.Calibration(
         known["neutral"],
         LidRange(known["lids_open"], known["lids_shut"]),
+        known["gaze"],
         known["place"],
         float(known["focal"]),
     )

@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mien.capture import lids
+from mien.capture.gaze import gaze, gaze_rest
 from mien.capture.headfit import HeadFit, motion_from_neutral
-from mien.capture.landmarks import USUAL_FOCAL, WORLD_FROM_CAMERA
+from mien.capture.landmarks import USUAL_FOCAL, WORLD_FROM_CAMERA, facing
 from mien.capture.snakes.curves.features import MOUTH, ROW, usual_features
 from mien.capture.snakes.curves.lens import height
 from mien.capture.snakes.points import MM, POINTS, places
@@ -40,6 +41,8 @@ SPANS = (Span("2.2", "2.3", 1, 0.4), Span("8.3", "8.4", 0, 1.0))
 
 _WINDOW = 0.5
 """Seconds for which a face rests when it rests."""
+PUPIL_RADIUS = 12.0 / MM
+"""Patch units from the centre of an eyeball to its pupil."""
 EYES_DEPTH = 12.0
 """mm the corners of the eyes lie in front of the head's origin."""
 
@@ -52,6 +55,8 @@ class Calibration:
     """(P, 3) mm, head frame: the points at rest."""
     lids: lids.LidRange
     """Heights of the eyes, patch units."""
+    gaze: Array
+    """(2, 2) raw gaze at rest."""
     place: Array
     """(3,) mm, camera frame: where the head mostly is."""
     focal: float
@@ -108,9 +113,13 @@ def calibrate(
     model = np.column_stack([flat, depth])
     head = heads(track, focal)
     offset = np.median(_motion(track, model, head, focal)[rest], axis=0)
+    lid_range = lids.lid_range(track.opening[seen], track.opening[rest])
+    turn = facing(head)
+    closure = lids.closures(track.opening, lid_range, turn[:, 0])
     return Calibration(
         neutral=model + offset,
-        lids=lids.lid_range(track.opening[seen], track.opening[rest]),
+        lids=lid_range,
+        gaze=gaze_rest(_raw_gaze(track)[seen], turn[seen], closure[seen]),
         place=np.median(head.translation[seen], axis=0),
         focal=focal,
     )
@@ -130,7 +139,7 @@ def perform(track: CurveTrack, known: Calibration, source: str) -> Performance:
     """Read every frame of ``track`` against what is known of the performer."""
     head = heads(track, known.focal)
     motion = _motion(track, known.neutral, head, known.focal)
-    closure = lids.closures(track.opening, known.lids, _yaw(head))
+    closure = lids.closures(track.opening, known.lids, facing(head)[:, 0])
     hold = _hold(track.lost)
     share = 1.0 - track.missed.mean(axis=1)
     return Performance(
@@ -141,7 +150,7 @@ def perform(track: CurveTrack, known: Calibration, source: str) -> Performance:
         sigma=SIGMA,
         rotation=(WORLD_FROM_CAMERA @ head.rotation)[hold],
         translation=(head.translation @ WORLD_FROM_CAMERA)[hold],
-        gaze=np.zeros((len(track), 2, 2)),
+        gaze=gaze(_raw_gaze(track), known.gaze, closure)[hold],
         confidence=np.where(track.lost, 0.0, share),
         lost=track.lost,
         unseen=head.rotation[:, 2][hold],
@@ -178,6 +187,7 @@ def _towards(ray: Array) -> Array:
     return from_vector(axis / np.maximum(sine, 1e-12) * angle)
 
 
-def _yaw(head: HeadFit) -> Array:
-    """(F,) radians, + to the performer's left."""
-    return np.asarray(np.arctan2(head.rotation[:, 0, 2], -head.rotation[:, 2, 2]))
+def _raw_gaze(track: CurveTrack) -> Array:
+    """(F, 2, 2) yaw (+ left) and pitch (+ up) of the left and right eye, from an unknown rest."""
+    aside = track.irises * np.array([1.0, -1.0]) / PUPIL_RADIUS
+    return np.asarray(np.arcsin(np.clip(aside, -0.95, 0.95)))

@@ -28,6 +28,7 @@ from mien.capture.snakes.head.flow import NOSE, choose, follow
 from mien.capture.snakes.head.patch import COARSE, EYES, Picture, Placement
 from mien.capture.snakes.head.pose import RESTING, Pose, fit_pose
 from mien.capture.snakes.head.relief import lifted
+from mien.capture.snakes.iris import find_irises
 from mien.capture.snakes.mouth import (
     LipColour,
     Opening,
@@ -46,6 +47,8 @@ _FIRST_ROUNDS = 4
 """How often the first patch is moved until the eyes lie where eyes are."""
 _CORNER_WEIGHT = 6
 """Points of the nose that an eye corner counts for: far apart, they tell how the head leans."""
+_PUPILS_APART, _LIKELY = 1.03, (0.8, 1.2)
+"""Distance of the pupils in distances of the eyes' middles, and how far a face may differ."""
 _FEWEST = 3
 """Features that must be found for a face to be there."""
 _PATIENCE = 5
@@ -79,6 +82,8 @@ class Seen:
     contrast: Array
     """(L,) mean I just inside the curves minus just outside."""
     opening: Opening
+    irises: Array
+    """(2, 2) middles of the right and the left iris, patch units."""
     look: Look
     weights: Mapping[str, Weights]
     grey: Picture
@@ -182,10 +187,9 @@ class SnakeCapture:
         eyes = self._rest[_EYES, :2, :2].mean(axis=1) if known else EYES
         for _ in range(_FIRST_ROUNDS):
             start = _Start(placement, RESTING, lenses, np.zeros((0, 2)))
-            lenses = self._fit(start, image, strange=True).lenses
-            middles = lenses[_EYES, :2].mean(axis=1)
-            better = Placement.at(placement.to_frame(middles), eyes)
-            lenses = better.to_patch(placement.to_frame(lenses))
+            seen = self._fit(start, image, strange=True)
+            better = Placement.at(placement.to_frame(_middles(seen)), eyes)
+            lenses = better.to_patch(placement.to_frame(seen.lenses))
             placement = better
         if self.appearance is None:
             return _Start(placement, RESTING, lenses, np.zeros((0, 2)))
@@ -234,11 +238,24 @@ class SnakeCapture:
             lost,
             contrast,
             opening,
+            find_irises(look, lenses[_EYES]),
             look,
             weights,
             _grey(patch),
             lips,
         )
+
+
+def _middles(seen: Seen) -> Array:
+    """(2, 2) of the right and the left eye, patch units. Paint and shadow beside the eyes pull both
+    outwards; the irises between them are not painted."""
+    corners = seen.lenses[_EYES, :2].mean(axis=1)
+    middle, across = corners.mean(axis=0), 0.5 * (corners[1] - corners[0])
+    apart = float(np.linalg.norm(seen.irises[1] - seen.irises[0])) / _PUPILS_APART
+    share = apart / max(2.0 * float(np.linalg.norm(across)), 1e-6)
+    if _LIKELY[0] < share < _LIKELY[1]:
+        across = across * 0.5 * (1.0 + share)
+    return np.stack([middle - across, middle + across])
 
 
 def _grey(patch: Picture) -> Picture:

@@ -38,6 +38,8 @@ class CurveTrack:
     """(F,) patch units in a pixel."""
     tongue: Array
     """(F,) 0..1"""
+    irises: Array
+    """(F, 2, 2) of the left and the right eye, patch units from the middle of its corners."""
     missed: Bools
     """(F, L) features that were not found."""
     lost: Bools
@@ -92,6 +94,7 @@ class _Row(NamedTuple):
     centre: Array
     scale: float
     tongue: float
+    irises: Array
     missed: Bools
     lost: bool
 
@@ -103,6 +106,7 @@ _NOTHING = _Row(
     np.zeros(2),
     1.0,
     0.0,
+    np.zeros((2, 2)),
     np.ones(MOUTH, dtype=bool),
     True,
 )
@@ -119,6 +123,7 @@ def _row(seen: Seen) -> _Row:
         placement.to_frame(np.zeros(2)),
         placement.scale,
         seen.opening.tongue,
+        seen.irises[::-1] - seen.lenses[_EYES, :2].mean(axis=1),
         seen.lost,
         False,
     )

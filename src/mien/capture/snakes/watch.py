@@ -11,6 +11,7 @@ from mien.capture.snakes.curves.features import FEATURES, NAMES
 from mien.capture.snakes.curves.fields import field_of
 from mien.capture.snakes.curves.lens import lower_curve, upper_curve
 from mien.capture.snakes.head.patch import HEIGHT, WIDTH
+from mien.capture.snakes.iris import RADIUS
 from mien.capture.snakes.stepper import Seen
 from mien.performance.trace import Trace
 
@@ -19,6 +20,8 @@ Array = NDArray[np.float64]
 _BLACK = np.zeros((HEIGHT, WIDTH, 3), dtype=np.uint8)
 _AXIS = 60.0
 """Patch units."""
+_ROUND = np.linspace(0.0, 2.0 * np.pi, 17)
+_IRIS = RADIUS * np.stack([np.cos(_ROUND), np.sin(_ROUND)], axis=1)
 
 
 def trace_of(seen: Seen | None) -> Trace:
@@ -34,6 +37,8 @@ def trace_of(seen: Seen | None) -> Trace:
         left, top, right, bottom = feature.box
         corners = np.array([[left, top], [right, top], [right, bottom], [left, bottom]])
         boxes[feature.name] = seen.placement.to_frame(corners.astype(float))
+    for side, middle in zip(("right", "left"), seen.irises, strict=True):
+        curves[f"iris_{side}"] = seen.placement.to_frame(middle + _IRIS)
     tips = np.array([[0, 0, 0], [1, 0, 0], [0, -1, 0], [0, 0, -1]]) * _AXIS
     notes = [f"{name} lost" for name, gone in zip(NAMES, seen.lost, strict=True) if gone]
     return Trace(

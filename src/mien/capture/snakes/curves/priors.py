@@ -15,6 +15,8 @@ Array = NDArray[np.float64]
 _CORNERS = 0.002
 """Per squared patch unit: an eye's corners stay where the turned head has them. Any firmer, and
 the head, which is turned by the corners, never turns."""
+_STRANGE_CORNERS = 0.006
+"""The same before the performer is known, while nothing turns: paint beside the eye pulls less."""
 _LIDS = 0.0007
 """Lids stay where they were."""
 _BROW_SHAPE, _BROW_THICKNESS = 0.002, 0.004
@@ -68,7 +70,8 @@ def prior(group: str, rest: Array, last: Array, known: bool) -> tuple[Array, Arr
 def _squares(group: str, known: bool) -> tuple[Array, Array, Array]:
     """(12, 12) each: Q, and its shares that pull to rest and to the last place."""
     if group == "eye":
-        to_rest = _square(_CORNERS, _ENDS) + _square(_EVENNESS, _EVEN)
+        corners = _CORNERS if known else _STRANGE_CORNERS
+        to_rest = _square(corners, _ENDS) + _square(_EVENNESS, _EVEN)
         to_last = _square(_LIDS, _MIDDLES)
     elif group == "brow":
         trust = 1.0 if known else _STRANGER
