@@ -33,6 +33,7 @@ from mien.numeric.facing import ClosestPoints
 from mien.numeric.normals import vertex_normals
 from mien.numeric.raster import rasterize
 from mien.rig.importer import import_character
+from mien.sculpt.transfer.artist import follow
 from mien.sculpt.transfer.correspondence import correspond, shared_points
 from mien.sculpt.transfer.lids import close_lids
 from mien.sculpt.transfer.make import make
@@ -53,6 +54,10 @@ LAID = 6.0
 TURNED = np.cos(np.radians(102.0))
 NAMES = sorted(n for n in arkit_names() if not n.startswith(("eyeLook", "tongueOut")))
 """The 43 shapes, in the order in which they are compared."""
+GIVEN = (3, 5, 10)
+"""How many shapes or poses an artist gives."""
+IN_A_POSE = 6
+DRAWS = 4
 ANIMALS = ("fox", "koala", "triceratops")
 
 
@@ -76,6 +81,7 @@ def main() -> None:
     }
     figures = without_artist(ict, humans["facecap"].face)
     figures |= between_artists(humans["ict"], humans["facecap"])
+    figures |= by_example(humans["ict"], humans["facecap"])
     figures |= blinks(humans, others / "animals", options.points)
     figures |= times(ict.face())
     show("make_accuracy", "Key models made by deformation transfer", figures, options.json)
@@ -89,6 +95,8 @@ class Head:
     skin: Skin
     shapes: Array
     """(43, N, 3) mm."""
+    seen: NDArray[np.bool_]
+    """(N,) skin that is seen from outside, with all else in its place: sockets lie behind eyes."""
 
 
 def merged(names: Sequence[str], fields: Array) -> dict[str, Array]:
@@ -107,7 +115,16 @@ def head(character: Character) -> Head:
     """A character as a head."""
     skin = skin_of(character.face)
     shapes = merged(character.keys.names, character.keys.displacements)
-    return Head(character.face, skin, skin.gather(np.stack([shapes[n] for n in NAMES])))
+    fields = skin.gather(np.stack([shapes[n] for n in NAMES]))
+    return Head(character.face, skin, fields, seen_skin(character.face, skin))
+
+
+def seen_skin(face: Face, skin: Skin) -> NDArray[np.bool_]:
+    """(N,) what of a skin is seen past eyes, teeth and lashes."""
+    whole = outside(face.vertices, np.concatenate([part.triangles for part in face.parts]))
+    seen = np.zeros(len(skin.vertices), dtype=bool)
+    seen[skin.welded[whole[skin.rows]]] = True
+    return seen
 
 
 def without_artist(ict: Ict, facecap: Face) -> dict[str, float]:
@@ -178,7 +195,7 @@ def on_person(
     whole = np.zeros((len(truth), len(face.vertices), 3))
     whole[:, : len(used)] = truth
     laid_skin = skin_of(face)
-    return Head(face, laid_skin, laid_skin.gather(whole))
+    return Head(face, laid_skin, laid_skin.gather(whole), seen_skin(face, laid_skin))
 
 
 def transferred(source: Head, target: Head, contact: bool = False) -> Array:
@@ -221,7 +238,7 @@ def error(truth: Head, made: Array) -> float:
 
 def errors(truth: Head, made: Array) -> Array:
     """(43,) of each shape."""
-    seen = seen_skin(truth)
+    seen = truth.seen
     found = []
     for true, guess in zip(truth.shapes[:, seen], made[:, seen], strict=True):
         moved, moves = np.linalg.norm(true, axis=1), np.linalg.norm(guess, axis=1)
@@ -229,15 +246,6 @@ def errors(truth: Head, made: Array) -> Array:
         apart = np.linalg.norm(true - guess, axis=1)
         found.append(apart[counts].mean() / moved[counts].mean())
     return np.array(found)
-
-
-def seen_skin(head: Head) -> NDArray[np.bool_]:
-    """(N,) skin that is seen from outside, with all else in its place: sockets lie behind eyes."""
-    face, skin = head.face, head.skin
-    whole = outside(face.vertices, np.concatenate([part.triangles for part in face.parts]))
-    seen = np.zeros(len(skin.vertices), dtype=bool)
-    seen[skin.welded[whole[skin.rows]]] = True
-    return seen
 
 
 def inverted(target: Head, made: Array) -> float:
@@ -273,6 +281,39 @@ def between_artists(ict: Character, facecap: Character) -> dict[str, float]:
 def from_generic(target: Head) -> Array:
     """(43, N, 3) from mien's own generic face."""
     return transferred(head(generic_face()), target, contact=True)
+
+
+def by_example(ict: Character, facecap: Character) -> dict[str, float]:
+    """What shapes that an artist gives tell of the rest, mean of both directions and of DRAWS
+    draws: named ones, judged on the shapes not given beside plain transfer; and poses of
+    IN_A_POSE shapes each, unnamed and of unknown weights, judged on all shapes."""
+    heads = head(ict), head(facecap)
+    rows: list[dict[str, float]] = []
+    for source, target in (heads, heads[::-1]):
+        made = transferred(source, target, contact=True)
+        plain = errors(target, made)
+        random = np.random.default_rng(0)
+        for _ in range(DRAWS):
+            row = {"poses_0": float(plain.mean())}
+            for count in GIVEN:
+                given = random.choice(len(NAMES), count, replace=False)
+                own = {NAMES[k]: target.shapes[k] for k in given}
+                kept = np.setdiff1d(np.arange(len(NAMES)), given)
+                named = errors(target, follow(made, NAMES, target.skin, own, {}).made)
+                row[f"named_{count}_plain"] = float(plain[kept].mean())
+                row[f"named_{count}"] = float(named[kept].mean())
+                row[f"named_{count}_given"] = float(named[given].max())
+                poses = {str(k): mixed(target, random) for k in range(count)}
+                shown = errors(target, follow(made, NAMES, target.skin, {}, poses).made)
+                row[f"poses_{count}"] = float(shown.mean())
+            rows.append(row)
+    return {name: float(np.mean([row[name] for row in rows])) for name in rows[0]}
+
+
+def mixed(head: Head, random: np.random.Generator) -> Array:
+    """(N, 3) a pose of a head: some of its shapes at once."""
+    some = random.choice(len(NAMES), IN_A_POSE, replace=False)
+    return np.tensordot(random.uniform(0.4, 1.0, IN_A_POSE), head.shapes[some], axes=1)
 
 
 def blinks(humans: Mapping[str, Character], animals: Path, points: Path) -> dict[str, float]:

@@ -20,6 +20,7 @@ from mien.numeric.facing import ClosestPoints
 from mien.rig.sculpted import sculpted
 from mien.sculpt.transfer.artist import follow
 from mien.sculpt.transfer.correspondence import correspond
+from mien.sculpt.transfer.lips import lips_of, openings
 from mien.sculpt.transfer.make import Made, make
 from mien.sculpt.transfer.opening import eye_of, see
 from mien.sculpt.transfer.outside import outside
@@ -181,6 +182,25 @@ def test_eyes_without_lids_are_told() -> None:
     toy = toy_character().face
     found = make(toy, generic_face(), ("eyeBlinkLeft",), "ball")
     assert any("cannot blink" in note for note in found.notes)
+    left = toy.vertices[:, 0] > 1.0
+    assert not found.character.keys["eyeBlinkLeft"][left].any()
+
+
+def test_lips_meet_where_the_source_s_do() -> None:
+    man, names = built_in("man").face, ("jawOpen", "mouthClose", "mouthPucker", "mouthRollUpper")
+    keys = make(man, generic_face(), names, "man").character.keys
+    skin = skin_of(man)
+    lips = lips_of(man, skin)
+    assert lips is not None
+    assert openings(skin, lips).all()
+    rest = lips.gaps(skin.vertices[None])[0]
+    posed = {name: skin.gather(keys[name]) for name in names}
+    assert (lips.gaps((skin.vertices + posed["jawOpen"])[None])[0] > 15.0).all()
+    posed["mouthClose"] += posed["jawOpen"]
+    for name in names[1:]:
+        gap = lips.gaps((skin.vertices + posed[name])[None])[0]
+        assert (gap < rest + 0.1).all()
+        assert (gap > np.minimum(rest, 0.0) - 0.1).all()
 
 
 def test_too_few_points_are_an_error() -> None:
@@ -242,3 +262,14 @@ def test_sculpted_shapes_are_known_by_name_by_spelling_or_by_the_map() -> None:
     found = sculpted(neutral, ("eyeBlinkLeft", "jawOpen", "mouthSmileLeft"))
     assert set(found.own) == {"eyeBlinkLeft", "jawOpen"}
     assert set(found.poses) == {"laugh"}
+
+
+def test_lips_that_are_sewn_together_are_no_opening() -> None:
+    man = built_in("man").face
+    skin = skin_of(man)
+    lips = lips_of(man, skin)
+    assert lips is not None
+    upper, lower = lips.nearest()
+    seams = np.stack([upper, lower, np.roll(upper, 1)], axis=1)
+    sewn = replace(skin, triangles=np.concatenate([skin.triangles, seams.astype(np.int32)]))
+    assert not openings(sewn, lips).any()

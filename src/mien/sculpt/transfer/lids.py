@@ -65,6 +65,7 @@ def close_lids(
         if not rest.area:
             side = name.removeprefix("eye_")
             notes.append(f"the {side} eye is shut at rest or has no lids: it cannot blink")
+            made[_blinks(theirs, skin, motion, before)] *= _elsewhere(target, own, name)
             continue
         ball = ball_radius(ours, target, name)
         for k, moved in enumerate(motion):
@@ -76,6 +77,19 @@ def close_lids(
             share = _upper_share(theirs, source, skin, moved, name)
             made[k] = _slide(ours, own, made[k], rest, shut, share, ball)
     return made, tuple(notes)
+
+
+def _blinks(eye: Eye, skin: Skin, motion: Array, before: Opening) -> NDArray[np.bool_]:
+    """(K,) which of the source's shapes shut its eye."""
+    left = [see(eye, skin.vertices + moved, skin.triangles).area for moved in motion]
+    return np.asarray(1.0 - np.array(left) / before.area > _SHUT)
+
+
+def _elsewhere(face: Face, own: Skin, name: str) -> Array:
+    """(N, 1) 0 on the side of the eye ``name``, 1 on the other's."""
+    away = [np.linalg.norm(own.vertices - face.pivots[eye], axis=1) for eye in EYES]
+    nearest = np.argmin(away, axis=0)
+    return np.asarray(nearest != EYES.index(name), dtype=float)[:, None]
 
 
 def _upper_share(eye: Eye, face: Face, skin: Skin, moved: Array, name: str) -> float:

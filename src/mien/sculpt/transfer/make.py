@@ -15,6 +15,7 @@ from mien.face.face import Array, Face
 from mien.sculpt.transfer.artist import follow
 from mien.sculpt.transfer.correspondence import correspond
 from mien.sculpt.transfer.lids import close_lids
+from mien.sculpt.transfer.lips import meet_lips
 from mien.sculpt.transfer.parts import move_parts
 from mien.sculpt.transfer.skin import Skin, skin_of
 from mien.sculpt.transfer.solve import Transfer
@@ -62,12 +63,15 @@ def make(
     made = Transfer(skin, own, pair, np.linalg.norm(motion, axis=2).max(axis=0))(motion)
     names, kept = tuple(shapes), dict(sculpted or {})
     followed = follow(made, names, own, _on(own, kept), _on(own, poses or {}))
-    made, notes = close_lids(source.face, skin, motion, target, own, followed.made)
+    made, shut = close_lids(source.face, skin, motion, target, own, followed.made)
+    made, met = meet_lips(
+        source.face, skin, motion, target, own, made, names, pair.similarity.scale
+    )
     moved = move_parts(target, own, made, source, names, pair.similarity).astype(np.float32)
     for shape, field in kept.items():
         moved[names.index(shape)] = field
     keys = KeyModels(names, moved)
-    return Made(Character(name, target, keys, names), followed.mixtures, notes)
+    return Made(Character(name, target, keys, names), followed.mixtures, (*shut, *met))
 
 
 def _on(skin: Skin, fields: Fields) -> dict[str, Array]:
