@@ -158,3 +158,15 @@ def test_a_brow_lies_where_its_shape_lifts_it() -> None:
         20,
         0,
     ]
+
+
+def test_triangles_that_meet_in_no_surface_are_spoken_of(tmp_path: Path) -> None:
+    path, points = write_guest(tmp_path)
+    model, found = read_gltf(path), import_character(path, points=points)
+    assert not any("clean surface" in line for line in doubts(found, model))
+    skin = model.parts[0]
+    fins = skin.triangles[:2000].copy()
+    fins[:, 2] = np.random.default_rng(3).integers(0, len(skin.vertices), len(fins))
+    torn = replace(skin, triangles=np.concatenate([skin.triangles, fins]))
+    told = doubts(found, replace(model, parts=(torn, *model.parts[1:])))
+    assert any("clean surface" in line for line in told)

@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mien.errors import MienError
+from mien.errors import MienError, MissingExtraError
 
 if TYPE_CHECKING:
     import numpy as np
@@ -90,6 +90,8 @@ def naming(path: Path) -> Iterator[None]:
     """Put the scan's name before what is wrong with it."""
     try:
         yield
+    except MissingExtraError:  # no scan's fault
+        raise
     except MienError as error:
         if str(path) in str(error):
             raise

@@ -13,6 +13,10 @@ _PARTS = 0.03
 """Part of it by which a shape must part the lips, to open the mouth."""
 
 
+_FOLDED = 0.01
+"""Part of the edges that may belong to more than two triangles without being spoken of."""
+
+
 def doubts(found: Import, model: Model) -> list[str]:
     """One line each, for a person to read."""
     told = []
@@ -32,6 +36,11 @@ def doubts(found: Import, model: Model) -> list[str]:
         told.append("has no shapes: make some with 'mien character make'")
     elif parted.max() < _PARTS * mouth:
         told.append("no shape parts the lips: the mouth has no opening, or lip points are off")
+    folded = _folded(model)
+    if folded > _FOLDED:
+        told.append(
+            f"{folded:.0%} of its edges belong to more than two triangles: no clean surface"
+        )
     if len(keys.names) and not found.character.blinks:
         told.append("no two shapes were found that shut one eye each: lids follow points only")
     if not any(part.follows.startswith("eye") for part in face.parts) and not shown:
@@ -45,3 +54,11 @@ def doubts(found: Import, model: Model) -> list[str]:
         if model.hooks.head is None and any(part.node is not None for part in model.parts):
             told.append("no node was found that turns the head: the written file turns as a whole")
     return told
+
+
+def _folded(model: Model) -> float:
+    """Part of a model's edges that belong to more than two triangles."""
+    triangles = model.triangles
+    edges = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, 1:], triangles[:, [2, 0]]]))
+    _, count = np.unique(edges, axis=0, return_counts=True)
+    return float((count > 2).mean())
