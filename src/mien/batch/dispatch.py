@@ -180,4 +180,8 @@ def _error(future: Any) -> str:
     error = future.exception()
     if type(error).__name__ == "KilledWorker":
         return "two workers died of it, most likely for want of memory; use fewer, or cut the take"
-    return str(error) if isinstance(error, work.TaskError) else f"{type(error).__name__}: {error}"
+    if isinstance(error, work.TaskError):
+        return str(error)
+    # Dask tells in several lines that something could not be sent, and what it was in the cause.
+    told = error.__cause__ or error
+    return f"{type(told).__name__}: {str(told).strip().partition(chr(10))[0]}"

@@ -62,15 +62,16 @@ def _numbers(account: dict[str, Any], done: list[dict[str, Any]]) -> str:
     lost = sum(take["lost_frames"] for take in done)
     return figures(
         [
-            (
-                f"{sum(take['seconds'] for take in done) / 60.0:.1f} min",
-                f"of acting, {frames} frames",
-            ),
+            (_length(sum(take["seconds"] for take in done)), f"of acting, {frames} frames"),
             (f"{len(acts) - missed}", f"results; {missed} characters could not act a take"),
-            (f"{failed}", "takes could not be captured"),
+            (f"{failed}", f"of {len(account['takes'])} takes could not be captured"),
             (f"{lost / max(frames, 1):.1%}", f"of the frames show no face ({lost})"),
         ]
     )
+
+
+def _length(seconds: float) -> str:
+    return f"{seconds:.0f} s" if seconds < 120.0 else f"{seconds / 60.0:.0f} min"
 
 
 def _failures(account: dict[str, Any]) -> str:
