@@ -129,16 +129,16 @@ def made(folder: Path) -> Iterator[tuple[Path, list[str]]]:
     points.write_text("[points]\n" + "\n".join(lines) + "\n")
     for name, keep, torn in (
         ("no mouth", ("eyeBlinkLeft", "eyeBlinkRight", "browInnerUp"), 0),
-        ("torn", ("eyeBlinkLeft", "jawOpen"), 3000),
+        ("fins on every edge", ("eyeBlinkLeft", "jawOpen"), 3000),
     ):
         keys = KeyModels(keep, np.stack([head.keys[key] for key in keep]))
         face = head.face
         if torn:
             chance = np.random.default_rng(7)
             parts = list(face.parts)
-            first, last = parts[0].first, parts[0].last
-            wild = chance.integers(first, last, (torn, 3)).astype(np.int32)
-            parts[0] = replace(parts[0], triangles=np.concatenate([parts[0].triangles, wild]))
+            fins = parts[0].triangles[:torn].copy()
+            fins[:, 2] = chance.integers(parts[0].first, parts[0].last, len(fins))
+            parts[0] = replace(parts[0], triangles=np.concatenate([parts[0].triangles, fins]))
             face = replace(face, parts=tuple(parts))
         path = folder / f"{name}.glb"
         write_glb(path, replace(head, face=face, keys=keys, examples=keys.names))
