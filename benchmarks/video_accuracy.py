@@ -37,7 +37,7 @@ from mien.capture.tracker.trust import Trust
 from mien.face.character import Character, KeyModels
 from mien.face.face import Face, FeaturePoints, Material, Part
 from mien.face.library import generic_face
-from mien.face.pieces import split
+from mien.face.targets import targets
 from mien.formats.pictures.sources import open_source
 from mien.numeric.rotation import angle_between
 from mien.performance.frame import Frame
@@ -241,13 +241,13 @@ def dense_error(
     """Dense error over doing nothing, and amplitude, on the narrow face of the dense frames."""
     character = true_character(truth, databank)
     curves = mien.animate(performance, character, mapping=mapping, smooth=False)
-    pieces = split(character)
+    fields = targets(character, curves.names).displacements
     narrow = int(truth["narrow_count"])
     frames = truth["dense_frames"]
     true = truth["dense_q"] * truth["dense_scale"] - truth["neutral"]
     errors, moved, along, size = [], [], 0.0, 0.0
     for frame, motion in zip(frames, true[:, :narrow], strict=True):
-        guess = np.tensordot(curves.weights[frame], pieces.displacements[:, :narrow], axes=1)
+        guess = np.tensordot(curves.weights[frame], fields[:, :narrow], axes=1)
         errors.append(np.linalg.norm(guess - motion, axis=-1).mean())
         moved.append(np.linalg.norm(motion, axis=-1).mean())
         along += float((guess * motion).sum())

@@ -17,7 +17,7 @@ class CaptureSettings:
     neutral: tuple[float, float] | None = None
     """Seconds (first, last) in which the face rests; None: found."""
     focal: float | None = None
-    """Focal length of the camera in pixels; None: a usual one, or what the take itself tells."""
+    """Focal length of the camera in pixels; None: a usual one."""
     performer: Performer | None = None
     """What is known of the performer from earlier takes; None: learnt from this one."""
     watch: Callable[[Trace], None] | None = None

@@ -14,7 +14,6 @@ from mien.capture.neutral import ground
 from mien.capture.settings import CaptureSettings, Progress
 from mien.capture.track import LandmarkTrack
 from mien.capture.tracker.crop import Crop, Kept, cut, pack, unpack
-from mien.capture.tracker.focal import estimate
 from mien.capture.tracker.look import Look, take
 from mien.capture.tracker.meet import Crops, Meeting, generic_person, meet
 from mien.capture.tracker.perform import perform
@@ -65,8 +64,7 @@ def tracker(
     track = follow(frames, progress, faces.look)
     base = ground(generic_face())
     rest = landmarks.rest_of(track, base, neutral=settings.neutral, focal=settings.focal)
-    focal = settings.focal or estimate(track, rest, base)
-    known = landmarks.calibrate(track, base, neutral=settings.neutral, focal=focal)
+    known = landmarks.calibrate(track, base, neutral=settings.neutral, focal=settings.focal)
     done = follow_take(track, faces, generic_person(known, track.size), rest)
     if settings.watch is not None:
         _show(settings, track, done)

@@ -34,8 +34,9 @@ _DOUBT, _STEEP = 1.6, 4
 """Times the usual disagreement of looks at which half the confidence is gone, and how fast."""
 _LEAST = 0.1
 """Disagreement that everybody has."""
-_PUFF, _PUFF_GAIN = "cheek_puff", 2.0
-"""The prior holds back a shape that moves little of what can be seen from in front."""
+_PUFF, _FLAT, _ROUND = "cheek_puff", 0.3, 0.45
+"""Weights from which cheeks count as blown up, and fully so: smiles and sneers of faces that blow
+nothing up reach 0.29, cheeks that are blown up 0.4."""
 
 
 def perform(
@@ -92,7 +93,8 @@ def _puff(weights: Array, met: Meeting) -> Array:
     names = met.person.space.names
     if _PUFF not in names:
         return np.zeros(len(weights))
-    return np.clip(_PUFF_GAIN * weights[:, names.index(_PUFF)], 0.0, 1.0)
+    level = weights[:, names.index(_PUFF)]
+    return np.clip((level - _FLAT) / (_ROUND - _FLAT), 0.0, 1.0)
 
 
 def _point_shapes(met: Meeting) -> Array:
