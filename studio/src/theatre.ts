@@ -15,6 +15,10 @@ const FIELD = 16;
 /** Width over height of a cell in which a face just has room. */
 const SLIM = 0.72;
 
+/** Metres beyond which nobody leaves their place, however far the performer goes. */
+const LEASH = 0.05;
+const near = (step: number) => LEASH * Math.tanh(step / LEASH);
+
 /** Rows of the weights that move each mesh, in the mesh's own order. */
 interface Moved { mesh: Mesh; rows: number[] }
 
@@ -86,7 +90,7 @@ class Player {
     this.root?.getObjectByName("head")?.quaternion.set(...acting.head);
     this.root?.getObjectByName("eye_left")?.quaternion.set(...acting.eyes[0]);
     this.root?.getObjectByName("eye_right")?.quaternion.set(...acting.eyes[1]);
-    const [x, y, z] = acting.place;
+    const [x, y, z] = acting.place.map(near) as Acting["place"];
     this.root?.position.set(this.rest[0] + x, this.rest[1] + y, this.rest[2] + z);
   }
 }
