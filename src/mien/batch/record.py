@@ -34,7 +34,7 @@ def record(fates: Sequence[Fate], order: Order, store: Store, run: Run) -> dict[
         "characters": [role.name for role in order.roles],
         "formats": list(order.formats),
         "options": _said({**order.looking, **order.markers, **order.acting}),
-        "run": {**asdict(run), "count": asdict(run.count)},
+        "run": asdict(run),
         "takes": [_take(fate, order, store) for fate in fates],
     }
 

@@ -25,7 +25,7 @@ from mien.formats.pictures.jpeg import encode_jpeg
 from mien.formats.save import save
 from mien.formats.takes.mien_file import read_performance, write_performance
 from mien.performance.performance import Performance
-from mien.report.pictures import of_character, of_take
+from mien.report.pictures import has_pictures, of_character, of_take
 from mien.report.reach import reach, spans, telling
 from mien.rig.load import load_character
 
@@ -80,7 +80,7 @@ def look(store: Store, take: str, digest: str, order: Order) -> None:
             for first, last in spans(performance.lost, performance.time)
         ],
         "moments": frames,
-        "pictures": _has_pictures(take),
+        "pictures": has_pictures(take),
     }
     with kept(store.captures / order.capture_key(digest), account) as room:
         write_performance(performance, room / PERFORMANCE)
@@ -118,10 +118,6 @@ def _performance(take: str, order: Order) -> Performance:
     if Path(take).suffix.lower() in recipe.READERS:
         return recipe.load_performance(take)
     return recipe.capture(take, **order.looking)
-
-
-def _has_pictures(take: str) -> bool:
-    return not (holds_markers(take) or Path(take).suffix.lower() in recipe.READERS)
 
 
 def _cut(order: Order) -> dict[str, Any]:

@@ -104,13 +104,10 @@ def run(options: argparse.Namespace) -> None:
 
 def _shown(options: argparse.Namespace, performance: Performance) -> Shown:
     """What shows pictures of the take, where there are any."""
-    from mien.formats.markers.file import holds_markers
-    from mien.recipe import READERS
-    from mien.report.pictures import of_take
+    from mien.report.pictures import has_pictures, of_take
 
     take = str(options.pictures or options.take)
-    captured = Path(take).suffix.lower() in READERS or holds_markers(take)
-    if captured or take.startswith("camera:"):
+    if not has_pictures(take):
         return lambda frames, side: []
     return lambda frames, side: of_take(
         take,

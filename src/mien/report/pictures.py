@@ -14,9 +14,11 @@ from mien.capture.landmarks import USUAL_FOCAL
 from mien.face.animate import Poser
 from mien.face.character import Character
 from mien.face.targets import targets
+from mien.formats.markers.file import holds_markers
 from mien.formats.pictures.sources import open_source
 from mien.performance.curves import Curves
 from mien.performance.performance import Performance
+from mien.recipe import READERS
 from mien.view.camera import Camera
 from mien.view.framing import framing
 from mien.view.preview import CAMERA
@@ -27,6 +29,12 @@ Picture = NDArray[np.uint8]
 
 _EARLY = 1e-3
 """Seconds by which a search begins before the frame that is wanted: times are rounded."""
+
+
+def has_pictures(take: str | Path) -> bool:
+    """Whether a take is a recording that can be looked at once more."""
+    captured = Path(take).suffix.lower() in READERS or holds_markers(take)
+    return not captured and not str(take).startswith("camera:")
 
 
 def of_take(
