@@ -130,7 +130,7 @@ def test_a_run_sends_records_and_counts(tmp_path: Path) -> None:
     sender.close()
     listener.close()
     assert tally.frames + tally.dropped == 12
-    assert tally.following == tally.frames
+    assert tally.following == tally.frames == tally.recorded
     np.testing.assert_allclose(heard[-1].shapes, smiling()[-1].shapes, atol=1e-6)
     assert len(read_recording(tmp_path / "a.take")) == tally.frames
 

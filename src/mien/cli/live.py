@@ -200,10 +200,11 @@ def _report(options: argparse.Namespace, tally: Tally) -> None:
     }
     if sys.stderr.isatty():
         print(file=sys.stderr)
+    files = [str(options.record)] if options.record and tally.recorded else []
     tell(
         options,
-        {**told, "files": [str(options.record)] if options.record else []},
+        {**told, "files": files},
         f"{tally.frames} frames, {tally.following} with the face, {tally.dropped} dropped; "
         f"late by {told['late_ms_p50']:g} ms (median), {told['late_ms_p95']:g} ms (95 %)",
-        *([str(options.record)] if options.record else []),
+        *files,
     )

@@ -34,6 +34,7 @@ class Tally:
 
     frames: int = 0
     following: int = 0
+    recorded: int = 0
     dropped: int = 0
     lateness: list[float] = field(default_factory=list)
     """Seconds from a frame's arrival to the moment everybody was told, of the last thousand."""
@@ -74,6 +75,7 @@ def run(
             if record is not None and moment.performance is not None:
                 recorder = recorder or Recorder(record, moment.performance)
                 recorder.write(moment.performance)
+                tally.recorded += 1
             _count(tally, moment, slot.dropped, perf_counter() - arrived)
             if watch is not None:
                 watch(moment, tally)
