@@ -12,7 +12,9 @@ import { Tape } from "./sound";
 import { Theatre } from "./theatre";
 import { Timeline } from "./timeline";
 
-const theatre = new Theatre(find<HTMLCanvasElement>("stage"), find("plates"));
+const ON_CANVAS = "camera to canvas";
+const MOST_MEASURES = 600;
+const theatre = new Theatre(find<HTMLCanvasElement>("stage"), find("plates"), drawn);
 const line = new Line(told, frame, reached);
 const performer = new Performer((time, picture) => line.show(time, picture));
 const desk = new Desk(find("bars"), find<HTMLInputElement>("filter"), (adjust) => line.say(adjust));
@@ -25,6 +27,8 @@ let looked: Look | undefined;
 let lost = false;
 let listening = false;
 let tape: Tape | undefined;
+/** When the camera saw what comes to the canvas next, milliseconds of the page's clock. */
+let filmed = 0;
 
 /** A server that comes back is told again what it should look at. */
 function reached(there: boolean): void {
@@ -78,9 +82,18 @@ function frame(packet: Packet): void {
   packet.actors.forEach((acting, number) => theatre.act(number, acting));
   const shown = packet.actors.get(shownActor);
   if (shown) desk.show(shown.weights);
+  if (stage?.source === "camera" && packet.actors.size) filmed = 1000 * packet.time;
   performer.see(packet);
   coach.see(packet.held);
   timeline.see(packet);
+}
+
+/** How long it took from the camera to the canvas, for the browser's own tools and for tests. */
+function drawn(): void {
+  if (!filmed) return;
+  performance.measure(ON_CANVAS, { start: filmed, end: performance.now() });
+  if (performance.getEntriesByName(ON_CANVAS).length > MOST_MEASURES) performance.clearMeasures(ON_CANVAS);
+  filmed = 0;
 }
 
 async function watch(source: Look["source"], name = ""): Promise<void> {

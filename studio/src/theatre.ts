@@ -105,7 +105,12 @@ export class Theatre {
   private pause = 0;
   private sharpness = 1;
 
-  constructor(private readonly canvas: HTMLCanvasElement, private readonly plates: HTMLElement) {
+  /** `told` is called whenever the canvas shows something new. */
+  constructor(
+    private readonly canvas: HTMLCanvasElement,
+    private readonly plates: HTMLElement,
+    private readonly told: () => void,
+  ) {
     this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true });
     this.renderer.toneMapping = ACESFilmicToneMapping;
     this.renderer.autoClear = false;
@@ -116,6 +121,7 @@ export class Theatre {
       this.keepPace(now - this.drawn);
       this.drawn = now;
       this.draw();
+      this.told();
     };
     requestAnimationFrame(draw);
   }

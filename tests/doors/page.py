@@ -93,7 +93,12 @@ def perform(page: Page, folder: Path) -> dict[str, object]:
     before = stage.screenshot()
     moved = moving(page, 4.0)
     page.screenshot(path=folder / "camera.png")
-    return {"weights_moved": moved, "canvas_changed": stage.screenshot() != before}
+    late = page.evaluate("performance.getEntriesByName('camera to canvas').map(e => e.duration)")
+    return {
+        "weights_moved": moved,
+        "canvas_changed": stage.screenshot() != before,
+        "late_ms": sorted(late),
+    }
 
 
 def hold(page: Page, folder: Path) -> dict[str, object]:

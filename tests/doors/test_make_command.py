@@ -10,6 +10,10 @@ import pytest
 from terminal import mien
 
 from mien.face.library import load_character
+from mien.formats.gltf.pack import opened
+from mien.formats.gltf.read import read_gltf
+
+PICKS = ("3.1", "3.3", "3.7", "3.11", "4.3", "8.3", "9.3", "8.1", "2.2", "2.3", "8.2", "2.1")
 
 
 @pytest.fixture(scope="module")
@@ -23,8 +27,7 @@ def neutral(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
             lines.append(f"o {part.name}\n")
             lines += [f"f {a} {b} {c}\n" for a, b, c in part.triangles + 1]
     (folder / "head.obj").write_text("".join(lines))
-    picks = ("3.1", "3.3", "3.7", "3.11", "4.3", "8.3", "9.3", "8.1", "2.2", "2.3", "8.2", "2.1")
-    rows = [f'"{fdp}" = {face.point(fdp).round(3).tolist()}\n' for fdp in picks]
+    rows = [f'"{fdp}" = {face.point(fdp).round(3).tolist()}\n' for fdp in PICKS]
     (folder / "points.toml").write_text("[points]\n" + "".join(rows))
     return folder / "head.obj", folder / "points.toml"
 
@@ -47,6 +50,30 @@ def test_a_bare_head_becomes_a_character_that_acts(
     acted = mien("animate", captured, "-c", "made.npz", "-o", "made.glb", cwd=tmp_path)
     assert acted.returncode == 0, acted.stderr
     assert (tmp_path / "made.glb").stat().st_size > 10_000
+
+
+def test_an_artist_s_file_keeps_what_it_holds_and_teaches_the_rest(tmp_path: Path) -> None:
+    man = load_character("man")
+    assert mien("character", "export", "man", "-o", "man.glb", cwd=tmp_path).returncode == 0
+    rows = [f'"{fdp}" = {(man.face.point(fdp) / 1000).tolist()}\n' for fdp in PICKS]
+    (tmp_path / "points.toml").write_text("[points]\n" + "".join(rows))
+    (tmp_path / "map.toml").write_text('[shapes]\n"jaw_open" = "jawOpen"\n')
+    done = mien(
+        *("character", "make", "man.glb", "--points", "points.toml", "--map", "map.toml"),
+        *("-o", "made.glb", "--json"),
+        cwd=tmp_path,
+    )
+    assert done.returncode == 0, done.stderr
+    told = json.loads(done.stdout)
+    assert "jawOpen" in told["kept"]
+    assert any(name.startswith("mouthSmile") for name in told["poses"]["smile"])
+    before, after = read_gltf(tmp_path / "man.glb"), read_gltf(tmp_path / "made.glb")
+    shapes = {shape.name: after.dense(shape) for shape in after.shapes}
+    assert set(shapes) >= {"mouthSmileLeft", *(shape.name for shape in before.shapes)}
+    assert np.abs(shapes["jawOpen"] - shapes["jaw_open"]).max() < 1e-6
+    old, new = (opened((tmp_path / f"{name}.glb").read_bytes())[0] for name in ("man", "made"))
+    for kind in ("materials", "textures", "images"):
+        assert new[kind] == old[kind]
 
 
 def test_make_tells_what_is_wrong(neutral: tuple[Path, Path], tmp_path: Path) -> None:

@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 from terminal import MIEN, needs_landmarks
 
+from foreign import VALIDATOR, issues
 from guests import edited, guest, write_guest
 from mien.formats.performer_file import read_performer
 from mien.formats.pictures.sources import open_source
@@ -107,12 +108,16 @@ def test_the_page_as_a_person_uses_it(folder: Path, address: str) -> None:
     assert seen["foreign"] == []
     assert seen["weights_moved"] > 0.3
     assert seen["canvas_changed"]
+    assert seen["late_ms"]
+    assert all(late > 0.0 for late in seen["late_ms"])
     assert seen["rest"] in ("good", "shaky")
     assert seen["learnt"] == seen["met"] == 1
     assert len(read_performer(Path(seen["performer"])).held) == 1
     assert seen["still"]
     assert seen["wound"] == 1.0
     assert Path(seen["export"]).read_bytes()[:4] == b"glTF"
+    if VALIDATOR.exists():
+        assert issues(Path(seen["export"])) == []
     assert Path(seen["table"]).read_text().startswith("time")
     assert seen["guest_moved"] > 0.1
     picks = read_picks(folder / "shelf" / "squashed.toml")

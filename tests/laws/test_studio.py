@@ -164,6 +164,23 @@ def test_a_page_plays_a_take_and_exports_it(client: TestClient, shelf: Shelf) ->
     assert glb.content[:4] == b"glTF"
 
 
+def test_what_is_exported_is_what_the_page_shows(client: TestClient, shelf: Shelf) -> None:
+    address = f"/takes/{recorded(shelf)}/woman.csv"
+
+    def smile(session: str) -> float:
+        head, *rows = client.get(f"{address}?session={session}").text.splitlines()
+        return float(rows[-1].split(",")[head.split(",").index("smile_mouth_L")])
+
+    with client.websocket_connect("/live") as socket:
+        session = str(told(socket, "StageSet")["session"])
+        adjust = Adjust("woman", "smile_mouth_L", 1.0, False, 0.123)
+        socket.send_text(json.dumps({"kind": "Adjust", **asdict(adjust)}))
+        socket.send_text('{"kind": "Cast", "characters": ["woman"]}')
+        told(socket, "StageSet")
+        assert smile(session) == pytest.approx(0.123)
+    assert smile(session) > 0.3
+
+
 def test_a_page_that_errs_is_told_and_may_go_on(client: TestClient) -> None:
     with client.websocket_connect("/live") as socket:
         told(socket, "StageSet")

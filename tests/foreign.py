@@ -15,7 +15,7 @@ from typing import Any
 
 import pytest
 
-HERE = Path(__file__).parent
+HERE = Path(__file__).parent / "formats"
 TOOLS = HERE.parents[1] / ".tools"
 VALIDATOR = Path(os.environ.get("MIEN_GLTF_VALIDATOR") or TOOLS / "validator")
 BLENDER = Path(os.environ.get("MIEN_BPY_PYTHON") or TOOLS / "bpy" / "bin" / "python")
