@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from foreign import blender, needs_blender
 
 from faces import toy_curves
+from foreign import blender, needs_blender
 from mien.face.character import Character
 from mien.formats.gltf.glb import write_glb
 

@@ -13,12 +13,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from foreign import blender, issues, needs_blender, needs_validator
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from meshopt_walk import digest, read, streams
 from scipy.spatial import cKDTree
 
+from foreign import blender, issues, needs_blender, needs_validator
 from guests import DATA, document, edited, needs_characters
 from mien.errors import FormatError, MienError, MissingExtraError
 from mien.face.model import Model
@@ -169,7 +169,7 @@ def _meshopt(told: Any) -> Any:
                 view.update(byteLength=4 * 2**28) or _meshopt(d).update(count=2**28, byteStride=4)
                 for view in [next(v for v in d["bufferViews"] if "extensions" in v)]
             ],
-            "512 MB",
+            "256 MB",
         ),
     ],
 )
@@ -181,6 +181,32 @@ def test_what_cannot_be_decoded_is_refused_in_a_line(
     with pytest.raises(FormatError, match=what) as caught:
         read_gltf(edited(path, change))
     assert "\n" not in str(caught.value)
+
+
+def _draco(told: Any) -> Any:
+    return told["meshes"][0]["primitives"][0]["extensions"]["KHR_draco_mesh_compression"]
+
+
+@pytest.mark.parametrize(
+    ("change", "what"),
+    [
+        (lambda d: _draco(d).update(attributes={"NORMAL": 1}), "no places"),
+        (lambda d: _draco(d).update(attributes={"POSITION": 99}), "attribute 'POSITION'"),
+        (lambda d: _draco(d).update(attributes={"POSITION": 2}), "does not fit"),
+        (lambda d: _draco(d).update(bufferView=99), "bufferViews"),
+        (lambda d: _draco(d).update(bufferView=[]), "bufferViews"),
+        (lambda d: d["accessors"][0].update(count=7), "does not fit"),
+        (lambda d: d["meshes"][0]["primitives"][0].pop("indices"), "accessors"),
+    ],
+)
+def test_draco_that_does_not_fit_is_refused_in_a_line(
+    change: Any, what: str, tmp_path: Path
+) -> None:
+    pytest.importorskip("DracoPy")
+    path = tmp_path / "a.glb"
+    path.write_bytes((HERE / "draco.glb").read_bytes())
+    with pytest.raises(FormatError, match=what):
+        read_gltf(edited(path, change))
 
 
 @settings(max_examples=40, deadline=None)

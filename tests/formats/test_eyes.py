@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from foreign import issues, needs_validator
 
 from faces import toy_curves
+from foreign import issues, needs_validator
 from gltf_reader import Reader
 from guests import PICKS, document, edited, guest
 from mien.face.face import Array

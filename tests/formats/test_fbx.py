@@ -6,9 +6,8 @@ import json
 import subprocess
 from pathlib import Path
 
-from foreign import BLENDER, needs_blender
-
 from faces import toy_curves
+from foreign import BLENDER, needs_blender
 from mien.face.character import Character
 from mien.formats.gltf.glb import write_glb
 

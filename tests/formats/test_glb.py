@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from gltf_reader import Reader
 
 from faces import toy_curves
+from gltf_reader import Reader
 from mien.face.animate import Poser
 from mien.face.character import Character
 from mien.face.pieces import split

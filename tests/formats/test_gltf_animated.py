@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from foreign import issues, needs_validator
 
 from faces import toy_curves
+from foreign import issues, needs_validator
 from gltf_reader import Reader
 from guests import DATA, document, edited, needs_characters, write_guest
 from mien.face.animate import Poser

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from foreign import issues, needs_validator
 
 from faces import toy_character
+from foreign import issues, needs_validator
 from mien.face.model import Model
 from mien.formats.gltf.glb import write_glb
 from mien.formats.gltf.grown import write_grown

@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from foreign import issues, needs_validator
 
 from faces import toy_curves
+from foreign import issues, needs_validator
 from mien.face.character import Character
 from mien.face.library import CHARACTERS, load_character
 from mien.formats.gltf.glb import write_glb

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from foreign import blender, issues, needs_blender, needs_validator
 
 import mien
+from foreign import blender, issues, needs_blender, needs_validator
 from mien.face.character import Character
 from mien.performance.curves import Curves
 
