@@ -49,7 +49,7 @@ def running_studio(folder: Path) -> Iterator[Studio]:
         yield Studio(process, int(address[1]))
     finally:
         process.terminate()
-        process.wait(10)
+        process.wait(60)
 
 
 class Page:

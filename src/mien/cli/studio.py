@@ -14,6 +14,8 @@ from pathlib import Path
 from mien.errors import InputError, MissingExtraError
 
 _LARGEST_MESSAGE = 8 * 2**20
+_FAREWELL = 3
+"""Seconds for which an end waits for pages; one that does not read would keep it for ever."""
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -59,7 +61,13 @@ def run(options: argparse.Namespace) -> None:
         print(WITHOUT, flush=True)
     if not options.no_browser:
         webbrowser.open(address)
-    config = uvicorn.Config(app, log_level="error", ws="wsproto", ws_max_size=_LARGEST_MESSAGE)
+    config = uvicorn.Config(
+        app,
+        log_level="error",
+        ws="wsproto",
+        ws_max_size=_LARGEST_MESSAGE,
+        timeout_graceful_shutdown=_FAREWELL,
+    )
     uvicorn.Server(config).run(sockets=[door])
 
 

@@ -24,6 +24,8 @@ OUTRIGHT = {"tongue_out": "tongueOut", "cheek_puff": "cheekPuff"}
 def beside(curves: Curves, performance: Performance, character: Character) -> Curves:
     """``curves``, mapped from ``performance`` for ``character``, with those key models set."""
     levels = _looks(curves.gaze, character.looks) | _told(performance, character)
+    if not levels:
+        return curves
     names = (*curves.names, *(key for key in levels if key not in curves.names))
     weights = np.zeros((len(curves), len(names)))
     weights[:, : len(curves.names)] = curves.weights
@@ -42,6 +44,8 @@ def driven_beside(character: Character) -> tuple[str, ...]:
 def _looks(gaze: Array, looks: Mapping[str, str]) -> dict[str, Array]:
     """(F,) of each key model in ``looks`` ("left", "right", "up", "down", the subject's), from
     the mean gaze of both eyes."""
+    if not looks:
+        return {}
     yaw, pitch = np.moveaxis(gaze.mean(axis=1) / _FULL, -1, 0)
     levels = {"left": yaw, "right": -yaw, "up": pitch, "down": -pitch}
     return {key: np.clip(levels[way], 0.0, 1.0) for way, key in looks.items()}

@@ -71,6 +71,7 @@ class JointMapper:
             wanted = self._whole_motion(self.settings.own.moments)
             posed = pose_weights(self.settings.own, character, self.pieces)
             self.examples = personal(self.examples, wanted, posed)
+        self._scale = self._range * self._exaggeration()
         self.cardinal = RegionalCardinal(
             self.examples, self.pieces, self.rows, self.settings.linear_ridge
         )
@@ -133,8 +134,8 @@ class JointMapper:
         """Motion (F, Q, 3) of the compared rows, exaggerated, and the unseen directions."""
         if performance.points != self._points:
             raise ValueError("the performance has other feature points than the mapper's header")
-        motion = performance.motion[part][:, self.rows.points] * self._range
-        return self.rows(motion * self._exaggeration()), performance.unseen[part]
+        motion = performance.motion[part][:, self.rows.points] * self._scale
+        return self.rows(motion), performance.unseen[part]
 
     def _exaggeration(self) -> Array:
         """(P, 1) by which each point's motion is multiplied."""
