@@ -17,7 +17,7 @@ from mien.formats.gltf.accessors import Accessors
 from mien.formats.gltf.container import MESHOPT, Container, Json, view_span
 
 _UNDONE = (*MESHOPT, draco.EXTENSION)
-_LARGEST = 2**29
+_LARGEST = 2**28
 """Bytes that all that is compressed may hold."""
 _VERTEX, _ELEMENT = 34962, 34963
 
@@ -126,6 +126,8 @@ class _Undoing:
             if values is None or name not in primitive["attributes"]:
                 raise self._damaged(index, f"it has not the attribute {name[:40]!r}")
             self._fill(primitive["attributes"][name], values, _VERTEX, index)
+        if "bufferView" not in self.accessors[primitive["attributes"]["POSITION"]]:
+            raise self._damaged(index, "it has no places")
 
     def _fill(self, place: Any, values: NDArray[Any], target: int, index: int) -> None:
         """Give an accessor ``values`` (N, columns) of the stream ``index``."""
