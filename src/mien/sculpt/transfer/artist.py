@@ -33,7 +33,9 @@ _TURNS = 3
 _FREE = 0.02
 """Part of a key model's farthest motion by which it may move what it does not."""
 _DOUBT = 0.3
-"""In the variance of what the poses show: their mixtures are guesses."""
+"""Part of what a pose shows at a vertex that its mixture may be wrong by: it is a guess ..."""
+_LEAST = 0.1
+"""... and mm of it in any case."""
 _SPARING = 1e-4
 """What a weight of 1 costs, in a pose's own squared length ..."""
 _PRICE = 0.05
@@ -203,14 +205,13 @@ def _corrections(made: Array, poses: Array, mixed: Array, prior: Array, belief: 
     """(K, N, 3) the likeliest by which key models at ``mixed`` (M, K) show the ``poses``
     (M, N, 3), as far as each is believed (M, N)."""
     found = np.zeros_like(made)
+    doubt = (_DOUBT**2 * (poses**2).sum(axis=2) + _LEAST**2) / np.maximum(belief, 1e-3)
     eye = np.eye(len(poses))
     for first in range(0, made.shape[1], _AT_ONCE):
         run = slice(first, first + _AT_ONCE)
         missed = poses[:, run] - np.einsum("mk,knx->mnx", mixed, made[:, run])
         spread = mixed[None] * prior[:, run].T[:, None, :]
-        gram = spread @ mixed.T
-        own = np.einsum("nmm->nm", gram)
-        doubt = _DOUBT * own / np.maximum(belief[:, run].T, 1e-3) + 1e-9
-        solved = np.linalg.solve(gram + doubt[:, :, None] * eye, missed.transpose(1, 0, 2))
+        gram = spread @ mixed.T + doubt[:, run].T[:, :, None] * eye
+        solved = np.linalg.solve(gram, missed.transpose(1, 0, 2))
         found[:, run] = np.einsum("nmk,nmx->knx", spread, solved)
     return found
