@@ -186,8 +186,8 @@ def ablation(options: argparse.Namespace, truth: dict[str, Any], focal: float | 
         "motion prior": {"motion": False},
         "second start": {"retry": False},
         "prior on expressions": {"spread": 5.0},
+        "silhouette": {"silhouette": 0.0},
         "nothing, but with points": {"points": 0.1},
-        "nothing, but with the silhouette": {"silhouette": 0.3},
     }
     for name, trust in left_out.items():
         somebody = generic_person(known, track.size)

@@ -127,11 +127,12 @@ def outline(
     inward = pixels[triangles[inner]].mean(axis=1) - middle
     normals *= -np.sign((normals * inward).sum(axis=1, keepdims=True))
     screen = np.column_stack([pixels, 1000.0 / vertices[:, 2]]).astype(np.float32)
-    ids, _ = rasterize(screen, triangles, np.zeros(len(triangles), dtype=bool), *size)
+    width, height = size
+    ids, _ = rasterize(screen, triangles, np.zeros(len(triangles), dtype=bool), width, height)
     millimetre = lens.scale * lens.focal / vertices[:, 2].mean()
     beyond = np.floor(middle + _BACKGROUND * millimetre * normals).astype(int)
-    inside = ((beyond >= 0) & (beyond < size)).all(axis=1)
-    column, row = np.clip(beyond.T, 0, [[size[0] - 1], [size[1] - 1]])
+    inside = ((beyond >= 0) & (beyond < (width, height))).all(axis=1)
+    column, row = np.clip(beyond.T, 0, [[width - 1], [height - 1]])
     free = inside & ~_filled(ids != NOTHING)[row, column] & (length[:, 0] > 1e-6)
     return ends[free], normals[free]
 

@@ -197,13 +197,11 @@ class Tracker:
             )
             for level in range(len(blurred))
         ]
-        edges = np.zeros((0, 2, 2))
+        across = self._outline(crop, blurred[-1], guess)
         for level in LEVELS:
-            across = self._outline(crop, blurred[-1], state)
             state = step(state, [terms[level], *across, *others])
         cost = terms[-1].cost(state)
-        if trust.silhouette:
-            edges = across[0].pairs(state)
+        edges = across[0].pairs(state) if across else np.zeros((0, 2, 2))
         used = self.rows[normalise.inner[self.rows]]
         return Aligned(state, cost, used, seen, edges)
 

@@ -15,7 +15,7 @@ class Trust:
     """Of a landmark's place."""
     points: float = 0.0
     """Of a point of the skin that was found again."""
-    silhouette: float = 0.0
+    silhouette: float = 0.3
     """Of an edge across the outline."""
     predictor: bool = True
     """Landmarks' motion since the frame before gives the start; or else their place does."""
