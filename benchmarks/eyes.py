@@ -78,9 +78,12 @@ def lid_closure(character: Character, curves: Curves) -> Array:
     def opening(places: Array) -> Array:
         return np.array([places[u, 1] - places[d, 1] for u, d in rows])
 
-    moved = points.at(split(character).displacements.astype(float))
+    keys = split(character)
+    moved = points.at(keys.displacements.astype(float))
     rest = points.at(character.face.vertices)
-    places = rest + np.tensordot(curves.weights, moved, axes=1)
+    # Curves may drive keys outright that have no pieces, such as the tongue.
+    columns = [curves.names.index(name) for name in keys.names]
+    places = rest + np.tensordot(curves.weights[:, columns], moved, axes=1)
     return np.array([1.0 - opening(place) / opening(rest) for place in places])
 
 
