@@ -20,8 +20,8 @@ from mien.report.rest import Rest, rest
 Array = NDArray[np.float64]
 
 _SUGGESTED = 3
-_APART = 0.5
-"""Seconds between two moments that are shown as the worst."""
+_APART = 0.05
+"""Share of the take between two moments that are shown as the worst, at least."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,11 +59,12 @@ def find(performance: Performance, character: Character, curves: Curves) -> Find
 def worst(findings: Findings, count: int) -> list[int]:
     """Up to ``count`` frames with the most residual, apart from each other, in order of time."""
     residual, time = findings.reach.residual.copy(), findings.performance.time
+    apart = _APART * float(time[-1] - time[0])
     frames: list[int] = []
     while len(frames) < count and residual.max(initial=0.0) > 0.0:
         frame = int(residual.argmax())
         frames.append(frame)
-        residual[np.abs(time - time[frame]) < _APART] = 0.0
+        residual[np.abs(time - time[frame]) <= apart] = 0.0
     return sorted(frames)
 
 

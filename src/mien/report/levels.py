@@ -14,14 +14,13 @@ Array = NDArray[np.float64]
 
 def levels(character: Character, curves: Curves) -> dict[str, Array]:
     """(F,) weight of each key model that is driven, the most active first: of its pieces the
-    strongest. Curves of other targets (animation parameters, wires) keep the names of those."""
+    strongest. Other targets (animation parameters, wires) keep names of their own."""
     pieces = split(character)
-    owners = list(curves.names)
-    if curves.names == pieces.names:
-        owners = [character.keys.names[key] for key in pieces.key]
+    keys = [character.keys.names[key] for key in pieces.key]
+    owner = dict(zip(pieces.names, keys, strict=True))
     found: dict[str, Array] = {}
-    for owner, weights in zip(owners, curves.weights.T, strict=True):
-        held = found.get(owner)
-        larger = weights if held is None else np.where(abs(weights) > abs(held), weights, held)
-        found[owner] = np.asarray(larger)
+    for target, weights in zip(curves.names, curves.weights.T, strict=True):
+        name = owner.get(target, target)
+        held = found.get(name, weights)
+        found[name] = np.where(np.abs(weights) > np.abs(held), weights, held)
     return dict(sorted(found.items(), key=lambda item: -float((item[1] ** 2).sum())))
