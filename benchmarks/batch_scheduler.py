@@ -10,6 +10,7 @@ task, however busy the machine; from that docs/scale.md models a thousand worker
 from __future__ import annotations
 
 import argparse
+import json
 import os
 import subprocess
 import sys
@@ -105,7 +106,10 @@ def cluster(workers: int, threads: int) -> Iterator[tuple[str, int]]:
         told = Path(room, "address")
         quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "cwd": room}
         paths = [str(Path(__file__).parent), os.environ.get("PYTHONPATH", "")]
-        quiet["env"] = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, paths))}
+        quiet["env"] = os.environ | {
+            "PYTHONPATH": os.pathsep.join(filter(None, paths)),
+            "DASK_DISTRIBUTED__COMM__TIMEOUTS__TCP": "300s",
+        }
         dask = [sys.executable, "-m", "dask"]
         head = [*dask, "scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard"]
         running = [subprocess.Popen([*head, "--scheduler-file", told], **quiet)]
@@ -124,8 +128,6 @@ def cluster(workers: int, threads: int) -> Iterator[tuple[str, int]]:
 
 def address_in(told: Path) -> str:
     """What a scheduler says of itself."""
-    import json
-
     return str(json.loads(told.read_text())["address"])
 
 
