@@ -110,6 +110,17 @@ def test_what_turns_away_is_not_seen(somebody):
     assert visible(somebody, crop, side).mean() < visible(somebody, crop, front).mean() - 0.15
 
 
+def test_slopes_are_differences_of_neighbours(somebody):
+    chart = somebody.chart
+    values = np.random.default_rng(8).normal(size=(len(chart), 2))
+    rows = np.flatnonzero(chart.inner)[::17]
+    left, right, above, below = chart.near[rows].T
+    across, down = chart.slopes(values, rows)
+    np.testing.assert_allclose(across, (values[right] - values[left]) / 2.0)
+    np.testing.assert_allclose(down, (values[below] - values[above]) / 2.0)
+    assert chart.slopes(values[:, 0], rows)[0].shape == (len(rows),)
+
+
 def test_reading_between_pixels_is_linear():
     y, x = np.mgrid[:9, :9].astype(np.float32)
     at = np.array([[3.2, 4.7], [0.5, 0.5], [7.9, 2.25]])

@@ -84,6 +84,13 @@ def test_a_terms_jacobian_equals_central_differences(name):
         np.testing.assert_allclose(linear.jacobian[:, column], slope, atol=2e-3 * scale)
 
 
+def test_a_lens_is_a_pinhole():
+    places = sites().seen(state())
+    plain = LENS.focal * places[:, :2] / places[:, 2:] + np.subtract(LENS.centre, LENS.origin)
+    np.testing.assert_allclose(LENS.project(places), LENS.scale * plain)
+    np.testing.assert_allclose(LENS.project(places[None]), LENS.scale * plain[None])
+
+
 def test_no_term_is_left_out():
     """Texture alone has a test of its own: its slope is a mean of two (test_tracker_follow)."""
     modules = {m.name for m in iter_modules(tracker.__path__)}

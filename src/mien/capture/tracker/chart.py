@@ -62,8 +62,11 @@ class Chart:
 
     def slopes(self, values: Array | Floats, rows: Index) -> tuple[Array, Array]:
         """Differences per texel to the right and down of ``values`` (M, ...) at texels ``rows``."""
-        left, right, above, below = self.near[rows].T
-        return (values[right] - values[left]) / 2.0, (values[below] - values[above]) / 2.0
+        flat = np.ascontiguousarray(values, dtype=float).reshape(len(self), -1)
+        right, down = np.empty((2, len(rows), flat.shape[1]))
+        _slopes(flat, self.near, rows, right, down)
+        shape = (len(rows), *values.shape[1:])
+        return right.reshape(shape), down.reshape(shape)
 
 
 def unroll(space: ShapeSpace) -> Chart:
@@ -124,6 +127,15 @@ def _read(picture: Floats, pixels: Array, values: Floats) -> None:
             picture[row + 1, column + 1] - picture[row + 1, column]
         )
         values[m] = above + b * (below - above)
+
+
+@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
+def _slopes(values: Array, near: Index, rows: Index, right: Array, down: Array) -> None:
+    for n in range(len(rows)):
+        before, after, above, below = near[rows[n]]
+        for i in range(values.shape[1]):
+            right[n, i] = 0.5 * (values[after, i] - values[before, i])
+            down[n, i] = 0.5 * (values[below, i] - values[above, i])
 
 
 def smoothed(grid: Floats, sigma: float) -> Floats:

@@ -66,8 +66,11 @@ class Lens:
 
     def project(self, places: Array) -> Array:
         """(..., 2) pixels of ``places`` (..., 3) in the camera frame."""
-        shift = np.subtract(self.centre, self.origin)
-        return np.asarray(self.scale * (self.focal * places[..., :2] / places[..., 2:] + shift))
+        flat = np.ascontiguousarray(places, dtype=float).reshape(-1, 3)
+        pixels = np.empty((len(flat), 2))
+        across, down = self.centre[0] - self.origin[0], self.centre[1] - self.origin[1]
+        _project(flat, self.focal, across, down, self.scale, pixels)
+        return pixels.reshape(*places.shape[:-1], 2)
 
     def pull_back(self, gradient: Array, places: Array) -> Array:
         """(N, 3) derivative by place of what has the derivative ``gradient`` (N, 2) by pixel."""
@@ -109,6 +112,17 @@ class Sites:
         jacobian = np.empty((len(self), 6 + self.shapes.shape[2]))
         _chain(self.shapes, state.rotation, state.translation, places, slope, jacobian)
         return jacobian
+
+
+@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
+def _project(
+    places: Array, focal: float, across: float, down: float, scale: float, pixels: Array
+) -> None:
+    """s (f Y_xy / Y_z + c - o) into ``pixels`` (N, 2)."""
+    for n in range(len(places)):
+        ahead = focal / places[n, 2]
+        pixels[n, 0] = scale * (ahead * places[n, 0] + across)
+        pixels[n, 1] = scale * (ahead * places[n, 1] + down)
 
 
 @njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
