@@ -27,6 +27,7 @@ let looked: Look | undefined;
 let lost = false;
 let listening = false;
 let tape: Tape | undefined;
+let takesBefore: string[] = [];
 /** When the camera saw what comes to the canvas next, milliseconds of the page's clock. */
 let filmed = 0;
 
@@ -180,12 +181,14 @@ async function keepSound(before: StageSet | undefined, now: StageSet): Promise<v
   if (now.recording && !before?.recording) {
     if (now.source !== "camera" || !listening) return;
     const stream = await navigator.mediaDevices.getUserMedia({ audio: true }).catch(() => undefined);
-    if (stream) tape = new Tape(stream);
-    else note("no microphone can be used; the take will be silent", "error");
+    takesBefore = now.takes;
+    if (!stream) note("no microphone can be used; the take will be silent", "error");
+    else if (stage?.recording) tape = new Tape(stream);
+    else stream.getTracks().forEach((track) => track.stop());
   } else if (!now.recording && tape) {
-    const [heard, take] = [tape, now.takes.find((name) => !before?.takes.includes(name)) ?? now.takes.at(-1)];
+    const heard = tape;
     tape = undefined;
-    if (take) await heard.keep(take);
+    await heard.keep(now.takes.find((name) => !takesBefore.includes(name)));
   }
 }
 

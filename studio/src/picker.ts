@@ -24,10 +24,10 @@ export class Picker {
 
   constructor(private readonly canvas: HTMLCanvasElement, private readonly marked: (place: Place) => void) {
     this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true });
-    const key = new DirectionalLight(0xffffff, 2.2);
+    const key = new DirectionalLight(0xffffff, 1.7);
     key.position.set(-1, 1, 1.5);
     this.camera.add(key);
-    this.scene.add(this.camera, new HemisphereLight(0xffffff, 0x8a8f98, 1.4));
+    this.scene.add(this.camera, new HemisphereLight(0xffffff, 0x6f747c, 0.8));
     this.controls = new OrbitControls(this.camera, canvas);
     this.controls.addEventListener("change", () => this.draw());
     canvas.onpointerdown = (event) => this.down.set(event.clientX, event.clientY);

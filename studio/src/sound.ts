@@ -52,12 +52,13 @@ export class Tape {
     this.recorder.start();
   }
 
-  /** Ends, and keeps what was heard with the take. */
-  async keep(take: string): Promise<void> {
+  /** Ends, and keeps what was heard with the take, if there is one. */
+  async keep(take: string | undefined): Promise<void> {
     const ended = new Promise((told) => { this.recorder.onstop = told; });
     this.recorder.stop();
     await ended;
     this.stream.getTracks().forEach((track) => track.stop());
+    if (!take) return;
     const audio = new OfflineAudioContext(1, 1, RATE);
     const heard = await audio.decodeAudioData(await new Blob(this.chunks).arrayBuffer());
     await bring(`takes/${encodeURIComponent(take)}/sound`, wave(heard));

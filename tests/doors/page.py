@@ -217,7 +217,7 @@ def main() -> None:
             viewport={"width": 1280, "height": 720}, permissions=["camera", "microphone"]
         )
         page = context.new_page()
-        page.set_default_timeout(60_000)
+        page.set_default_timeout(120_000)
         page.on("console", lambda m: errors.append(m.text) if m.type == "error" else None)
         page.on("pageerror", lambda error: errors.append(str(error)))
         page.on("request", lambda request: ask(request.url))

@@ -168,15 +168,19 @@ class Session:
         if message.capture not in available() or message.mapping not in MAPPERS:
             raise InputError("there is no such capture or mapping")
         again = message.capture != self._way.capture or message.mirror != self._way.mirror
+        turned = message.mirror != self._way.mirror
         self._way = message
         if again:
             self._forget_stepper()
+        if turned and isinstance(self._source, Film):
+            self._source.close()
+            self._source = self._opened(self._look)
         self._set_stage()
 
     @_do.register
     def _(self, message: Hold) -> None:
         try:
-            self._coach.ask(message, self._pose(message) if message.task == "face" else {})
+            self._coach.ask(message, self._pose(message))
         except InputError as error:
             self._tell(Learnt(message.task, message.pose, "refused", str(error)))
             return
@@ -263,7 +267,12 @@ class Session:
         self._stepper = None
 
     def _pose(self, hold: Hold) -> dict[str, float]:
-        """What a face that is held stands for. Raises InputError where nobody could show it."""
+        """What a face that is held stands for; nothing for a rest and for shut lids. Raises
+        InputError where nobody could show it, or learn it."""
+        if hold.task == "lids" and not isinstance(self._stepper, LandmarkStepper):
+            raise InputError("this capture learns its lids by itself")
+        if hold.task != "face":
+            return {}
         if not hold.pose:
             pinned = self._desk.pinned(hold.character)
             if not pinned:
