@@ -13,7 +13,7 @@ from actors import built_in
 from faces import toy_character
 from mien.errors import InputError
 from mien.face.character import KeyModels
-from mien.face.face import Face, FeaturePoints
+from mien.face.face import Face, FeaturePoints, Part
 from mien.face.library import generic_face
 from mien.numeric.closest import nearest
 from mien.numeric.facing import ClosestPoints
@@ -273,3 +273,25 @@ def test_lips_that_are_sewn_together_are_no_opening() -> None:
     seams = np.stack([upper, lower, np.roll(upper, 1)], axis=1)
     sewn = replace(skin, triangles=np.concatenate([skin.triangles, seams.astype(np.int32)]))
     assert not openings(sewn, lips).any()
+
+
+def test_lashes_longer_than_lids_are_thick_go_with_their_roots() -> None:
+    man = built_in("man").face
+    skin, lid = skin_of(man), man.points.index(["3.1"])
+    root = int(man.points.vertices[lid][0, 0])
+    first = len(man.vertices)
+    tips = man.vertices[root] + np.array([[0.0, 0.0, 0.0], [-1.0, 0.0, 9.0], [1.0, 0.0, 9.0]])
+    corners = np.array([[first, first + 1, first + 2]], np.int32)
+    lash = Part("eyelashes", man.part("skin").material, first, first + 3, corners, "head")
+    face = replace(
+        man,
+        vertices=np.concatenate([man.vertices, tips]),
+        parts=(*man.parts, lash),
+        colours=np.concatenate([man.colours, man.colours[:3]]),
+        occlusion=np.concatenate([man.occlusion, man.occlusion[:3]]),
+        uv=None,
+    )
+    assert len(skin_of(face).vertices) == len(skin.vertices)
+    blink = make(face, generic_face(), ("eyeBlinkLeft",), "man").character.keys["eyeBlinkLeft"]
+    assert np.linalg.norm(blink[root]) > 5.0
+    assert np.allclose(blink[first:], blink[root], atol=0.5)

@@ -4,6 +4,7 @@ brows and lashes by the skin they sit on; eyes, the upper teeth and all else sta
 from __future__ import annotations
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from mien.face.character import Character
 from mien.face.face import Array, Face
@@ -18,6 +19,10 @@ _DEPTH = 80.0
 """... and ends, on a face with a mouth 50 mm wide."""
 _RIDES = 6.0
 """mm from the skin within which a whole piece sits on it: lashes, brows, a moustache."""
+_ROOTED = 1.0
+"""mm from the skin at which a longer piece has its roots, and goes with them ..."""
+_LONGEST = 15.0
+"""... if it is no longer than lashes are."""
 _LIPS = frozenset({"2.2", "2.3", "8.3", "8.4"})
 
 
@@ -42,6 +47,11 @@ def move_parts(
         found = surface(face.vertices[rows])
         if found.distance.max() < _RIDES:
             at = found.matrix(skin.triangles, len(skin.vertices))
+            whole[:, rows] = np.stack([at @ field for field in motion])
+        elif found.distance.min() < _ROOTED and found.distance.max() < _LONGEST:
+            roots = np.flatnonzero(found.distance < _ROOTED)
+            _, nearest = cKDTree(face.vertices[rows[roots]]).query(face.vertices[rows])
+            at = found.matrix(skin.triangles, len(skin.vertices))[roots[nearest]]
             whole[:, rows] = np.stack([at @ field for field in motion])
     return whole
 

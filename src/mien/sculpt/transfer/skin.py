@@ -124,11 +124,12 @@ def pieces_beside(face: Face, skin: Skin) -> list[Index]:
     """Vertices of each connected piece that the head carries and that is not skin."""
     triangles = np.concatenate([p.triangles for p in face.parts if p.follows == "head"])
     root = _weld(face.vertices, triangles.astype(np.int32))
-    piece = _pieces(root[triangles], len(face.vertices))[root]
     free = np.ones(len(face.vertices), dtype=bool)
     free[skin.rows] = False
     for part in face.parts:
         free[part.first : part.last] &= part.follows == "head"
+    beside = triangles[free[triangles].all(axis=1)]
+    piece = _pieces(root[beside], len(face.vertices))[root]
     rows = np.flatnonzero(free)
     order = np.argsort(piece[rows], kind="stable")
     ends = np.flatnonzero(np.diff(piece[rows][order])) + 1
