@@ -24,7 +24,7 @@ _TOLERANCE = 1e-11
 _PATIENCE = 3
 """Block exchanges that may fail to lessen what is wrong before single ones are made."""
 _MOST = 50
-"""Exchanges per unknown after which it is given up: H was not positive definite."""
+"""Exchanges per unknown after which it is given up; far fewer are ever needed."""
 
 
 @njit(cache=True, nogil=True)
@@ -32,7 +32,7 @@ def pivot(hessian: Array, linear: Array, lower: Array, upper: Array, side: Sides
     """Minimise x' H x / 2 + f' x under lower <= x <= upper; (W, W), (W,), (W,), (W,).
 
     ``side`` (W,) is the guess (-1 at the lower bound, 0 free, 1 at the upper), and what was found
-    when it returns. Returns (W,); NaN where H is not positive definite.
+    when it returns. Returns (W,). Raises LinAlgError where H is not positive definite.
     """
     count = len(linear)
     x, wanted = np.empty(count), side.copy()
@@ -52,7 +52,7 @@ def pivot(hessian: Array, linear: Array, lower: Array, upper: Array, side: Sides
             side[:] = wanted
         else:
             side[last] = wanted[last]
-    return np.full(count, np.nan)
+    raise np.linalg.LinAlgError("no end of exchanges")
 
 
 @njit(cache=True, nogil=True)
@@ -80,26 +80,26 @@ def _solve_free(
     right = np.empty(size)
     for row in range(size):
         right[row] = -linear[free[row]] - np.dot(hessian[free[row]], x)
-    factor = np.zeros((size, size))
+    if size == 0:
+        return
+    among = np.empty((size, size))
     for row in range(size):
-        for column in range(row + 1):
-            left = hessian[free[row], free[column]] - np.dot(
-                factor[row, :column], factor[column, :column]
-            )
-            factor[row, column] = np.sqrt(left) if row == column else left / factor[column, column]
+        for column in range(size):
+            among[row, column] = hessian[free[row], free[column]]
+    factor = np.linalg.cholesky(among)
+    for row in range(size):
         right[row] = (right[row] - np.dot(factor[row, :row], right[:row])) / factor[row, row]
     for row in range(size - 1, -1, -1):
         right[row] /= factor[row, row]
-        for column in range(row):
-            right[column] -= factor[row, column] * right[row]
+        right[:row] -= right[row] * factor[row, :row]
     for row in range(size):
         x[free[row]] = right[row]
 
 
 @njit(cache=True, nogil=True)
 def pivot_each(hessians: Array, linear: Array, lower: Array, upper: Array) -> Array:
-    """(F, W) ``pivot`` of each of ``linear`` (F, W), with ``hessians`` (F, W, W), or (1, W, W)
-    where all share one; each from where the one before it stood, the first from rest."""
+    """(F, W) ``pivot`` of each of ``linear`` (F, W) and ``hessians`` (F, W, W), from where the one
+    before it stood; the first from rest."""
     solutions = np.empty_like(linear)
     side = np.zeros(linear.shape[1], dtype=np.int8)
     for i in range(len(side) if len(linear) else 0):
@@ -108,6 +108,5 @@ def pivot_each(hessians: Array, linear: Array, lower: Array, upper: Array) -> Ar
         elif upper[i] <= 0.0 and linear[0, i] < 0.0:
             side[i] = 1
     for frame in range(len(linear)):
-        hessian = hessians[frame if len(hessians) > 1 else 0]
-        solutions[frame] = pivot(hessian, linear[frame], lower, upper, side)
+        solutions[frame] = pivot(hessians[frame], linear[frame], lower, upper, side)
     return solutions

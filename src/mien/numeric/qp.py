@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import daqp
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.numeric.pivoting import pivot, pivot_each
+from mien.numeric.pivoting import pivot_each
 
 Array = NDArray[np.float64]
+
+_TOLERANCE = 1e-10
+"""By which a bound may be broken before it is clipped: what the free unknowns then are off by."""
 
 
 def solve_boxes(hessians: Array, linear: Array, lower: Array, upper: Array) -> Array:
@@ -17,16 +21,31 @@ def solve_boxes(hessians: Array, linear: Array, lower: Array, upper: Array) -> A
     ``linear`` (F, W); ``lower``, ``upper`` (W,). Returns (F, W).
 
     Each problem starts from the active bounds of the one before it, which changes how long it
-    takes and nothing else: the minimum is unique. Raises ArithmeticError where there is none.
+    takes and nothing else: the minimum is unique. Where all share one matrix daqp factors it once;
+    otherwise pivoting takes a fifth of its time where few unknowns are free. Raises ArithmeticError
+    where a matrix is not positive definite.
     """
-    return _found(
-        pivot_each(
-            np.ascontiguousarray(hessians, dtype=float),
-            np.ascontiguousarray(linear, dtype=float),
-            np.ascontiguousarray(lower, dtype=float),
-            np.ascontiguousarray(upper, dtype=float),
-        )
-    )
+    solutions = np.empty_like(linear)
+    if not linear.size:
+        return solutions
+    hessians = np.ascontiguousarray(hessians, dtype=float)
+    linear = np.ascontiguousarray(linear, dtype=float)
+    if len(hessians) == len(linear):
+        try:
+            return pivot_each(hessians, linear, lower, upper)
+        except np.linalg.LinAlgError as error:
+            raise ArithmeticError("a quadratic programme has no minimum") from error
+    model = daqp.Model()
+    model.settings = {"primal_tol": _TOLERANCE}
+    model.setup(hessians[0], linear[0], np.zeros((0, len(lower))), upper, lower)
+    for i, f in enumerate(linear):
+        if i:
+            model.update(f=f)
+        x, _, flag, _ = model.solve()
+        if flag < 1:
+            raise ArithmeticError(f"daqp stopped with flag {flag}")
+        solutions[i] = x
+    return np.clip(solutions, lower, upper)
 
 
 def kkt_residual(
@@ -57,24 +76,24 @@ def solve_chain(
     last = len(x) - 1
     if last < 1:
         return x
-    stiff = [hessian + neighbours * coupling * np.eye(len(hessian)) for neighbours in (1, 2)]
-    sides = np.zeros(x.shape, dtype=np.int8)
+    size = len(hessian)
+    models = {}
+    for neighbours in (1, 2):
+        models[neighbours] = daqp.Model()
+        stiff = np.ascontiguousarray(hessian + neighbours * coupling * np.eye(size))
+        models[neighbours].setup(stiff, linear[0], np.zeros((0, size)), upper, lower)
     stale = np.full(last + 1, np.inf)
     order = 1
     while len(frames := np.flatnonzero(stale > tolerance)):
         for i in frames[::order].tolist():
             beside = x[i - 1] if i == last else x[i + 1] if i == 0 else x[i - 1] + x[i + 1]
-            pulled = linear[i] - coupling * beside
-            new = _found(pivot(stiff[0 < i < last], pulled, lower, upper, sides[i]))
+            model = models[1 if i in (0, last) else 2]
+            model.update(f=linear[i] - coupling * beside)
+            new, _, flag, _ = model.solve()
+            if flag < 1:
+                raise ArithmeticError(f"daqp stopped with flag {flag}")
             stale[max(i - 1, 0) : i + 2] += np.abs(new - x[i]).max()
             stale[i] = 0.0
             x[i] = new
         order = -order
-    return x
-
-
-def _found(solutions: Array) -> Array:
-    """``solutions``, if there are any. Raises ArithmeticError."""
-    if np.isnan(solutions).any():
-        raise ArithmeticError("a quadratic programme has no minimum: its matrix is not positive")
-    return solutions
+    return np.clip(x, lower, upper)
