@@ -33,7 +33,7 @@ from starlette.background import BackgroundTask
 from starlette.concurrency import run_in_threadpool
 from starlette.exceptions import HTTPException
 from starlette.middleware import Middleware
-from starlette.requests import Request
+from starlette.requests import ClientDisconnect, Request
 from starlette.responses import FileResponse, JSONResponse, PlainTextResponse, Response
 from starlette.routing import Mount, Route, WebSocketRoute
 from starlette.staticfiles import StaticFiles
@@ -101,7 +101,7 @@ def studio(
     return Starlette(
         routes=routes,
         middleware=[Middleware(Guard, rules=rules)],
-        exception_handlers={MienError: _told},
+        exception_handlers={MienError: _told, ClientDisconnect: _gone},
     )
 
 
@@ -113,6 +113,11 @@ async def _no_page(request: Request) -> Response:
 
 async def _told(request: Request, error: Exception) -> Response:
     return JSONResponse({"error": str(error)}, 400)
+
+
+async def _gone(request: Request, error: Exception) -> Response:
+    """Nobody is there any more to be told of an upload that was broken off."""
+    return Response(status_code=400)
 
 
 class _Server:
