@@ -32,7 +32,6 @@ NOSE = (50, 24, 174, 180)
 _CORNER = ORIGIN - np.array(NOSE[:2])
 _WINDOW = (21, 21)
 _LEVELS = 3
-_UNTIL = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 10, 0.03)
 _TOLERANCE = 2.0
 """Patch units by which a point may miss the common movement and still agree."""
 _FEWEST = 0.35
@@ -75,7 +74,6 @@ def follow(reference: Grey, there: Array, before: Array, now: Grey) -> Moved | N
         (before + _CORNER).astype(np.float32),
         winSize=_WINDOW,
         maxLevel=_LEVELS - 1,
-        criteria=_UNTIL,
         flags=cv2.OPTFLOW_USE_INITIAL_FLOW,
     )
     points = np.asarray(moved, dtype=float) - _CORNER
