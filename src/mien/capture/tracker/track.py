@@ -44,7 +44,7 @@ tried too."""
 KEY_APART, KEY_FROM, KEY_NEARER = 15.0, 18.0, 8.0
 """Degrees: between looks that are kept, from rest until another look may serve, and by which that
 one must be nearer."""
-SURE = 1.4
+SURE = 1.1
 """Times the usual disagreement beyond which a look is not kept."""
 
 
