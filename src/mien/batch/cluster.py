@@ -20,7 +20,6 @@ PATIENCE = 10
 _SETTINGS = {
     # A task that kills its worker, by its memory or otherwise, is tried once more and no oftener.
     "distributed.scheduler.allowed-failures": 1,
-    "distributed.scheduler.worker-saturation": 1.0,
     # A machine that is overworked answers late; that is no reason to give it up.
     "distributed.comm.timeouts.connect": "120s",
     "distributed.comm.timeouts.tcp": "300s",
