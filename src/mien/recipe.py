@@ -18,10 +18,11 @@ from mien.capture.shapes import motion_from_shapes
 from mien.capture.snakes.curves.features import NAMES
 from mien.errors import InputError, NoFaceError
 from mien.face.character import Character
-from mien.face.databank import Databank, databank, performer_face
+from mien.face.databank import Databank, databank, performer_face, shape_space
 from mien.face.face import Face
 from mien.face.library import generic_face
 from mien.face.overrides import overridden
+from mien.face.shape_space import ShapeSpace
 from mien.formats.markers.file import holds_markers, read_markers, read_roles
 from mien.formats.meshes.obj_read import read_obj
 from mien.formats.notes.own import read_pairs
@@ -104,6 +105,7 @@ def capture(
     neutral: tuple[float, float] | None = None,
     focal: float | str | Path | None = None,
     performer: str | Path | None = None,
+    faces: str | Path | None = None,
     overlay: str | Path | None = None,
     progress: Progress | None = None,
 ) -> Performance:
@@ -114,9 +116,10 @@ def capture(
     flip; ``rate`` is frames a second of a folder of images (30); ``neutral`` (first, last) names
     the seconds in which the face rests (found otherwise); ``focal`` is the camera's focal length
     in pixels, or a camera file that says it; ``performer`` is a .performer file of what earlier
-    takes told of the same person; ``overlay`` names an MP4 to write, in which what was seen is
-    drawn over the recording. ``progress`` is called with frames done and frames
-    expected (None: unknown).
+    takes told of the same person; ``faces`` is a databank of their scanned faces, by which the
+    tracker knows how they look and move; ``overlay`` names an MP4 to write, in which what was seen
+    is drawn over the recording. ``progress`` is called with frames done and frames expected (None:
+    unknown).
     Raises InputError, FormatError, NoFaceError, MissingExtraError.
     """
     if holds_markers(path):
@@ -125,8 +128,10 @@ def capture(
     source = open_source(path, start, end, mirror, rate)
     count = source.count
     told = None if progress is None else (lambda done: progress(done, count))
+    if faces is not None and method != "tracker":
+        raise InputError(f"--faces {faces}: only --capture tracker knows faces by their scans")
     known = None if performer is None else read_performer(Path(performer))
-    settings = CaptureSettings(neutral, _focal(focal, source.size[0]), known)
+    settings = CaptureSettings(neutral, _focal(focal, source.size[0]), known, _space(faces))
     try:
         if overlay is None:
             return way(source, settings, source.name, told)
@@ -379,6 +384,17 @@ def _told(frames: Iterable[Frame], count: int, progress: Progress) -> Iterator[F
     for done, frame in enumerate(frames, start=1):
         yield frame
         progress(done, count)
+
+
+def _space(faces: str | Path | None) -> ShapeSpace | None:
+    if faces is None:
+        return None
+    try:
+        return shape_space(load_databank(faces))
+    except ValueError as error:
+        raise InputError(
+            f"{faces}: {error}; 'mien databank build SCANS' makes one that is"
+        ) from error
 
 
 def _focal(focal: float | str | Path | None, width: int) -> float | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,6 +11,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import lsq_linear
 
+from clips import write_video
+from mien.capture.landmarks import Calibration
+from mien.capture.lids import LidRange
+from mien.capture.track import KEPT
+from mien.capture.tracker.meet import ROWS, VERTICES, generic_person
 from mien.errors import InputError
 from mien.face.character import Character
 from mien.face.databank import Databank, databank, performer_face, shape_space
@@ -27,6 +33,7 @@ from mien.numeric.rotation import from_vector
 from mien.numeric.steady import steady
 from mien.performance.acted import acted
 from mien.performance.performance import Performance
+from mien.recipe import capture
 
 Array = np.ndarray
 SHAPES = (
@@ -314,3 +321,22 @@ def test_a_databank_is_a_space_for_the_tracker(bank: Databank, toy_face: Charact
     assert np.allclose(space.expression[0], scale * bank.displacements[0, :468], atol=1e-6)
     with pytest.raises(ValueError, match="not built on the generic face"):
         shape_space(databank(toy_face))
+
+
+def test_the_tracker_meets_whom_a_databank_knows(bank: Databank) -> None:
+    space = shape_space(bank)
+    model = np.zeros((len(KEPT), 3))
+    model[ROWS] = space.neutral[VERTICES]
+    eyes = LidRange(np.full(2, 0.3), np.full(2, 0.05))
+    known = Calibration(
+        model, np.zeros_like(model), eyes, np.zeros((2, 2)), np.array([0.0, 0.0, 500.0]), 600.0
+    )
+    met = generic_person(known, (640, 480), space)
+    assert met.space.names == SHAPES
+    np.testing.assert_allclose(met.neutral[VERTICES], space.neutral[VERTICES], atol=0.01)
+
+
+def test_scanned_faces_are_for_the_tracker_alone(tmp_path: Path) -> None:
+    write_video(tmp_path / "take.mp4", [np.zeros((64, 64, 3), np.uint8)] * 3)
+    with pytest.raises(InputError, match="--capture tracker"):
+        capture(tmp_path / "take.mp4", faces="woman")

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from mien.face.shape_space import ShapeSpace
 from mien.performance.performer import Performer
 from mien.performance.trace import Trace
 
@@ -20,5 +21,7 @@ class CaptureSettings:
     """Focal length of the camera in pixels; None: a usual one."""
     performer: Performer | None = None
     """What is known of the performer from earlier takes; None: learnt from this one."""
+    faces: ShapeSpace | None = None
+    """What the tracker knows of faces; None: the generic face's space."""
     watch: Callable[[Trace], None] | None = None
     """Told what was seen in every frame, once each and in their order."""

@@ -19,7 +19,10 @@ TAKES = (
     "a video, a folder of images, camera:0 (with --end), markers (.c3d, .trc, .csv), a .mien file, "
     "a live recording (.take), a Live Link Face .csv or an MPEG-4 .fap"
 )
-CUT_OPTIONS = ("start", "end", "mirror", "rate", "neutral", "focal", "performer", "overlay")
+CUT_OPTIONS = (
+    *("start", "end", "mirror", "rate", "neutral"),
+    *("focal", "performer", "faces", "overlay"),
+)
 """Options that say how a recording is looked at."""
 
 
@@ -84,6 +87,13 @@ def add_cut_options(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="what mien calibrate learnt of this person (default: learnt from the take)",
     )
+    parser.add_argument(
+        "--faces",
+        type=Path,
+        metavar="FILE",
+        help="scanned faces of this person, as mien databank build keeps them, by which "
+        "--capture tracker knows them",
+    )
     add_marker_options(parser)
     parser.set_defaults(overlay=None)
 
@@ -141,6 +151,7 @@ def performance_of(options: argparse.Namespace) -> tuple[Performance, dict[str, 
             neutral=options.neutral,
             focal=options.focal,
             performer=options.performer,
+            faces=options.faces,
             overlay=options.overlay,
             progress=told,
         )

@@ -65,7 +65,7 @@ def tracker(
     base = ground(generic_face())
     rest = landmarks.rest_of(track, base, neutral=settings.neutral, focal=settings.focal)
     known = landmarks.calibrate(track, base, neutral=settings.neutral, focal=settings.focal)
-    done = follow_take(track, faces, generic_person(known, track.size), rest)
+    done = follow_take(track, faces, generic_person(known, track.size, settings.faces), rest)
     if settings.watch is not None:
         _show(settings, track, done)
     plain = landmarks.perform(track, known, base, source)

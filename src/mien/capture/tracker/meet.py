@@ -19,7 +19,7 @@ from mien.capture.tracker.solve import Term
 from mien.capture.tracker.state import State
 from mien.capture.tracker.track import Tracker, anchors
 from mien.capture.tracker.trust import Trust
-from mien.face.shape_space import generic_space
+from mien.face.shape_space import ShapeSpace, generic_space
 from mien.numeric.biharmonic import Handles, spread, uniform_laplacian
 from mien.numeric.rotation import angle_between
 from mien.vocabulary.landmarks import FACE_LANDMARKS
@@ -61,9 +61,12 @@ class Meeting:
     """Of the frame at rest."""
 
 
-def generic_person(known: Calibration, size: tuple[int, int]) -> Person:
-    """The person of the generic space that the landmarks' calibration describes."""
-    space = generic_space()
+def generic_person(
+    known: Calibration, size: tuple[int, int], space: ShapeSpace | None = None
+) -> Person:
+    """The person of ``space``, or of the generic face's, that the landmarks' calibration
+    describes. Its vertices are the detector's landmarks."""
+    space = space or generic_space()
     places = known.model[ROWS]
     neutral = space.person(space.identify(VERTICES, places, _IDENTITY_SIGMA))
     handles = Handles(len(neutral))
