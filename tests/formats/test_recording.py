@@ -69,6 +69,16 @@ def test_every_frame_is_in_the_file_before_the_next_comes(tmp_path: Path) -> Non
     # Nobody closed it: so it is when a program is killed.
 
 
+def test_frames_that_go_back_in_time_are_passed_over(tmp_path: Path) -> None:
+    performance, path = seen(), tmp_path / "a.take"
+    recorder = Recorder(path, performance)
+    for frame in (0, 1, 3, 2, 3, 4):
+        recorder.write(performance[frame : frame + 1])
+    recorder.close()
+    found = read_recording(path)
+    np.testing.assert_array_equal(found.motion, performance.motion[[0, 1, 3, 4]])
+
+
 def test_a_cut_take_ends_with_its_last_whole_frame(tmp_path: Path) -> None:
     path = recorded(tmp_path / "a.take", seen())
     whole = path.read_bytes()

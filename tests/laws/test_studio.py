@@ -21,6 +21,7 @@ from starlette.websockets import WebSocketDisconnect
 
 from mien.errors import InputError
 from mien.face.library import load_character
+from mien.formats.pictures.jpeg import encode_jpeg
 from mien.formats.takes.recording import Recorder
 from mien.live.studio import messages, packet
 from mien.live.studio.adjust import Desk
@@ -28,6 +29,7 @@ from mien.live.studio.messages import Adjust, Note, decode, encode
 from mien.live.studio.safety import LOOPBACK, Rules
 from mien.live.studio.server import MOST_PAGES, studio
 from mien.live.studio.shelf import VIDEOS, Shelf
+from mien.live.studio.sources import PageCamera
 from mien.live.studio.troupe import targets
 from mien.performance.arkit_frame import ArkitFrame, performance_of
 from mien.performance.performance import Performance
@@ -273,6 +275,18 @@ def test_a_flood_is_refused_and_forgiven(client: TestClient) -> None:
             time.sleep(0.05)
             socket.send_text('{"kind": "Cast", "characters": ["woman"]}')
         assert [actor["name"] for actor in told(socket, "StageSet")["actors"]] == ["woman"]
+
+
+def test_a_picture_that_comes_after_a_later_one_is_passed_over() -> None:
+    camera = PageCamera()
+    grey = encode_jpeg(np.full((8, 8, 3), 128, np.uint8), 8)
+    camera.put(2.0, grey)
+    camera.put(1.9, grey)
+    camera.put(2.0, grey)
+    arrived = camera.next(0.1)
+    assert arrived is not None
+    assert arrived.item.time == 2.0
+    assert camera.next(0.01) is None
 
 
 def test_a_shelf_has_names_only_for_what_it_keeps(shelf: Shelf) -> None:

@@ -158,7 +158,8 @@ def _read_about(file: BinaryIO) -> tuple[dict[str, Any], tuple[str, ...], int]:
 
 
 def _read_records(file: BinaryIO, width: int) -> Array:
-    """(F, width) the records up to the first that is not whole."""
+    """(F, width) the records up to the first that is not whole, without those that go back in
+    time."""
     rows: list[Array] = []
     while len(rows) < MAX_FRAMES:
         record = file.read(4 + 8 * width)
@@ -170,7 +171,8 @@ def _read_records(file: BinaryIO, width: int) -> Array:
     records = np.array(rows).reshape(len(rows), width)
     if not (np.abs(records) < _LARGEST).all():
         raise ValueError("a number beyond all bounds")
-    return records
+    latest = np.maximum.accumulate(records[:, 0])
+    return records[np.diff(latest, prepend=-np.inf) > 0.0]
 
 
 def _assemble(about: dict[str, Any], scalars: tuple[str, ...], records: Array) -> Performance:

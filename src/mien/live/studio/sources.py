@@ -61,9 +61,14 @@ class PageCamera:
 
     def __init__(self) -> None:
         self._slot: Newest[tuple[float, float, bytes]] = Newest()
+        self._latest = -1.0
 
     def put(self, time: float, picture: bytes) -> None:
-        """A picture taken at ``time`` seconds of the page's own clock."""
+        """A picture taken at ``time`` seconds of the page's own clock. Pictures are compressed
+        beside each other: one that comes after a later one is passed over."""
+        if time <= self._latest:
+            return
+        self._latest = time
         self._slot.put((perf_counter(), time, picture))
 
     def next(self, timeout: float) -> Arrived | None:
