@@ -44,7 +44,7 @@ demo: env
 	echo "demo done in $$(( $$(date +%s) - begin )) s"
 
 test: env
-	@$(BIN)/pytest -n auto
+	@$(BIN)/pytest -n auto --dist worksteal
 
 check: env
 	@$(BIN)/ruff check .
