@@ -19,5 +19,5 @@ def show(
         table.add_row(key, f"{value:.4g}")
     Console().print(table)
     if as_json:
-        record = {key: round(float(value), 6) for key, value in figures.items()}
+        record = {key: float(f"{float(value):.7g}") for key, value in figures.items()}
         print(json.dumps({"benchmark": name, "figures": record}))
