@@ -14,9 +14,10 @@ import pytest
 pytest.importorskip("mediapipe", reason="the extra 'landmarks' is not installed")
 
 from mien.capture.detector import follow
-from mien.capture.known import landmark_section
+from mien.capture.known import known_or_learnt, landmark_section
 from mien.capture.landmarks import calibrate, perform, with_shut
 from mien.capture.neutral import ground
+from mien.capture.settings import CaptureSettings
 from mien.capture.stepping import LandmarkStepper, meet
 from mien.capture.track import ROW, LandmarkTrack
 from mien.errors import InputError
@@ -72,6 +73,14 @@ def test_a_performer_is_met_again(film: list[Frame], stepper: LandmarkStepper) -
     np.testing.assert_array_equal(friend.known.model, known.model)
     assert friend.step(film[0]) is not None
     friend.close()
+
+
+def test_a_whole_take_is_read_against_a_performer_that_is_known(film: list[Frame]) -> None:
+    face, base = follow(film), ground(generic_face())
+    known = calibrate(face, base, focal=777.0)
+    friend = CaptureSettings(performer=Performer(landmarks=landmark_section(known)))
+    assert known_or_learnt(face, base, friend).focal == 777.0
+    assert known_or_learnt(face, base, CaptureSettings(focal=555.0)).focal == 555.0
 
 
 def test_faces_in_view_are_counted_and_one_is_followed(

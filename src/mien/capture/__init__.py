@@ -4,8 +4,8 @@ from collections.abc import Iterable
 from typing import Protocol
 
 from mien.capture.detector import follow
-from mien.capture.known import curve_calibration, landmark_calibration
-from mien.capture.landmarks import calibrate, perform
+from mien.capture.known import curve_calibration, known_or_learnt
+from mien.capture.landmarks import perform
 from mien.capture.neutral import ground
 from mien.capture.settings import CaptureSettings, Progress
 from mien.capture.snakes.capture import follow as follow_curves
@@ -42,10 +42,7 @@ def _landmarks(
 ) -> Performance:
     track = follow(frames, progress)
     base = ground(generic_face())
-    if settings.performer is not None and settings.performer.landmarks:
-        known = landmark_calibration(settings.performer.landmarks)
-    else:
-        known = calibrate(track, base, neutral=settings.neutral, focal=settings.focal)
+    known = known_or_learnt(track, base, settings)
     performance = perform(track, known, base, source)
     if settings.watch is not None:
         for frame in range(len(track)):

@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 
 from mien.capture import landmarks
 from mien.capture.lids import LidRange
+from mien.capture.neutral import Ground
+from mien.capture.settings import CaptureSettings
 from mien.capture.snakes import reading
 from mien.capture.snakes.colour.network import HIDDEN, INPUTS, OUTPUTS, Network
 from mien.capture.snakes.curves.features import MOUTH
@@ -16,7 +18,7 @@ from mien.capture.snakes.head.flow import COUNT
 from mien.capture.snakes.head.patch import HEIGHT, WIDTH
 from mien.capture.snakes.points import POINTS
 from mien.capture.snakes.stepper import Appearance
-from mien.capture.track import KEPT
+from mien.capture.track import KEPT, LandmarkTrack
 from mien.errors import FormatError
 from mien.performance.performer import Section
 
@@ -143,3 +145,12 @@ def _checked(section: Section, shapes: Mapping[str, Shape], what: str) -> dict[s
     if not sane:
         raise FormatError(f"the performer's {what} cannot be true; calibrate again")
     return {name: section[name] for name in shapes}
+
+
+def known_or_learnt(
+    track: LandmarkTrack, ground: Ground, settings: CaptureSettings
+) -> landmarks.Calibration:
+    """What earlier takes told of the performer, or else what this one tells. Raises InputError."""
+    if settings.performer is not None and settings.performer.landmarks:
+        return landmark_calibration(settings.performer.landmarks)
+    return landmarks.calibrate(track, ground, neutral=settings.neutral, focal=settings.focal)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from mien.capture import landmarks
 from mien.capture.detector import follow
+from mien.capture.known import known_or_learnt
 from mien.capture.neutral import ground
 from mien.capture.settings import CaptureSettings, Progress
 from mien.capture.track import LandmarkTrack
@@ -64,7 +65,7 @@ def tracker(
     track = follow(frames, progress, faces.look)
     base = ground(generic_face())
     rest = landmarks.rest_of(track, base, neutral=settings.neutral, focal=settings.focal)
-    known = landmarks.calibrate(track, base, neutral=settings.neutral, focal=settings.focal)
+    known = known_or_learnt(track, base, settings)
     done = follow_take(track, faces, generic_person(known, track.size, settings.faces), rest)
     if settings.watch is not None:
         _show(settings, track, done)
