@@ -11,6 +11,7 @@ import mien
 from mien.capture.shapes import motion_from_shapes
 from mien.face.character import Character
 from mien.mapping.beside import beside
+from mien.performance.acted import acted
 from mien.performance.curves import Curves
 from mien.performance.performance import Performance
 from mien.vocabulary.arkit import names
@@ -22,19 +23,11 @@ def woman() -> Character:
 
 
 def performance(**scalars: list[float]) -> Performance:
-    frames = 3
-    return Performance(
-        points=(),
-        neutral=np.zeros((0, 3)),
-        time=np.arange(frames) / 30.0,
-        motion=np.zeros((frames, 0, 3)),
-        sigma=np.zeros((0, 3)),
-        rotation=np.tile(np.eye(3), (frames, 1, 1)),
-        translation=np.zeros((frames, 3)),
-        gaze=np.zeros((frames, 2, 2)),
-        confidence=np.ones(frames),
-        lost=np.zeros(frames, bool),
-        unseen=np.zeros((frames, 3)),
+    return acted(
+        (),
+        np.zeros((0, 3)),
+        np.zeros((3, 0, 3)),
+        sigma=np.zeros(0),
         scalars={name: np.array(values) for name, values in scalars.items()},
     )
 
@@ -90,5 +83,5 @@ def test_what_a_phone_says_of_the_tongue_comes_through() -> None:
     phone = replace(performance(), vocabulary="arkit", shapes=shapes)
     moved = motion_from_shapes(phone, mien.load_character("generic"))
     np.testing.assert_allclose(moved.scalars["tongue_out"], [0.0, 0.8, 0.0])
-    acted = mien.animate(phone, "toy", smooth=False)
-    np.testing.assert_allclose(acted.weights[:, acted.names.index("tongue_out")], [0, 0.8, 0])
+    toy = mien.animate(phone, "toy", smooth=False)
+    np.testing.assert_allclose(toy.weights[:, toy.names.index("tongue_out")], [0, 0.8, 0])

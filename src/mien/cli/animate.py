@@ -45,22 +45,7 @@ def add_acting_options(parser: argparse.ArgumentParser, output: str | None) -> N
         help="a folder, or a file whose ending chooses the format where there is one result "
         f"(default: {output or 'out/TAKE'})",
     )
-    parser.add_argument(
-        "-c",
-        "--character",
-        action="append",
-        metavar="NAME",
-        dest="characters",
-        help="a built-in character or a character file; may be repeated (default: all built-in)",
-    )
-    parser.add_argument(
-        "-f",
-        "--format",
-        action="append",
-        metavar="ENDING",
-        dest="formats",
-        help="what to write for each character: glb, csv or obj; may be repeated (default: glb)",
-    )
+    add_cast_options(parser)
     parser.add_argument(
         "--mapping",
         metavar="NAME",
@@ -93,6 +78,38 @@ def add_acting_options(parser: argparse.ArgumentParser, output: str | None) -> N
     )
     parser.add_argument("--no-filter", action="store_true", help="leave the detector's tremble in")
     parser.add_argument("--no-preview", action="store_true", help="write no preview.mp4")
+
+
+def add_cast_options(parser: argparse.ArgumentParser) -> None:
+    """Who acts, and what is written of it."""
+    parser.add_argument(
+        "-c",
+        "--character",
+        action="append",
+        metavar="NAME",
+        dest="characters",
+        help="a built-in character or a character file; may be repeated (default: all built-in)",
+    )
+    parser.add_argument(
+        "-f",
+        "--format",
+        action="append",
+        metavar="ENDING",
+        dest="formats",
+        help="what to write for each character: glb, csv or obj; may be repeated (default: glb)",
+    )
+
+
+def add_mapping_options(parser: argparse.ArgumentParser) -> None:
+    """How motion becomes weights, where no databank can be meant."""
+    parser.add_argument(
+        "--mapping",
+        metavar="NAME",
+        default="cardinal",
+        help="how motion becomes weights (default: %(default)s)",
+    )
+    add_gain_options(parser)
+    parser.add_argument("--no-filter", action="store_true", help="leave the detector's tremble in")
 
 
 def add_gain_options(parser: argparse.ArgumentParser) -> None:

@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from mien.cli.animate import add_gain_options
+from mien.cli.animate import add_cast_options, add_mapping_options
 from mien.cli.capture import add_cut_options
 from mien.cli.command import tell
 from mien.cli.progress import progress
@@ -29,14 +29,6 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     add_cut_options(parser)
     parser.add_argument(
-        "-c",
-        "--character",
-        action="append",
-        metavar="NAME",
-        dest="characters",
-        help="a built-in character or a character file; may be repeated (default: all built-in)",
-    )
-    parser.add_argument(
         "-o",
         "--output",
         type=Path,
@@ -44,14 +36,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar="FOLDER",
         help="results, batch.json and a report; a batch that was interrupted goes on there",
     )
-    parser.add_argument(
-        "-f",
-        "--format",
-        action="append",
-        metavar="ENDING",
-        dest="formats",
-        help="what to write for each pair: glb, csv or obj; may be repeated (default: glb)",
-    )
+    add_cast_options(parser)
     parser.add_argument(
         "--scheduler",
         metavar="ADDRESS",
@@ -64,14 +49,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar="N",
         help="processes of this machine (default: as many as processors and memory allow)",
     )
-    parser.add_argument(
-        "--mapping",
-        metavar="NAME",
-        default="cardinal",
-        help="how motion becomes weights (default: %(default)s)",
-    )
-    add_gain_options(parser)
-    parser.add_argument("--no-filter", action="store_true", help="leave the detector's tremble in")
+    add_mapping_options(parser)
 
 
 def workers(text: str) -> int:

@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mien.cli.animate import add_gain_options
+from mien.cli.animate import add_mapping_options
 from mien.cli.capture import TAKES, add_cut_options, performance_of, take_name
 from mien.cli.command import remark, tell
 from mien.cli.results import results, spare
@@ -34,14 +34,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="an .html file (default: TAKE_CHARACTER.html in this folder)",
     )
-    parser.add_argument(
-        "--mapping",
-        metavar="NAME",
-        default="cardinal",
-        help="how motion becomes weights (default: %(default)s)",
-    )
-    add_gain_options(parser)
-    parser.add_argument("--no-filter", action="store_true", help="leave the detector's tremble in")
+    add_mapping_options(parser)
     parser.add_argument(
         "--pictures",
         type=Path,
