@@ -85,11 +85,12 @@ def run(options: argparse.Namespace) -> None:
 
 def _looking(options: argparse.Namespace) -> dict[str, Any]:
     focal = options.focal
+    files = {name: getattr(options, name) for name in ("performer", "faces")}
     return {
         "method": options.capture,
         **_given(options, "start", "end", "mirror", "rate", "neutral"),
         **({} if focal is None else {"focal": _file(focal) if isinstance(focal, str) else focal}),
-        **({} if options.performer is None else {"performer": _file(options.performer)}),
+        **{name: _file(path) for name, path in files.items() if path is not None},
     }
 
 
