@@ -99,12 +99,13 @@ def test_a_killed_worker_stops_no_other_take(tmp_path: Path) -> None:
         write_performance(shown(man, acted, unseen=FACE_ON), tmp_path / f"take{number}.mien")
     arguments = ["batch", "take0.mien", "take1.mien", "-c", "toy", "-f", "csv", "-o", "out"]
     process = start(*arguments, "--workers", 1, "--json", cwd=tmp_path)
-    while not (tmp_path / "out/.mien-workers").exists():
+    while not (workers := children(process.pid)):
         assert process.poll() is None, process.communicate()
         time.sleep(0.01)
-    worker = next(iter(children(process.pid)), None)
-    if worker is not None:
-        os.kill(worker, signal.SIGKILL)
+    os.kill(workers[0], signal.SIGKILL)  # before it has begun
+    time.sleep(2.0)
+    for worker in children(process.pid):
+        os.kill(worker, signal.SIGKILL)  # at work, or done
     told, _ = process.communicate(timeout=120)
     assert process.returncode == 0
     assert json.loads(told)["run"]["count"]["acted"] == 2

@@ -17,6 +17,8 @@ NEED = 2**30
 """Bytes that a worker should have: about twice what capturing a take of some minutes takes."""
 PATIENCE = 10
 """Seconds to wait for a scheduler to answer."""
+_ATTEMPTS = 2
+"""Times that workers are started where one dies before it has begun."""
 _SETTINGS = {
     # A task that kills its worker, by its memory or otherwise, is tried once more and no oftener.
     "distributed.scheduler.allowed-failures": 1,
@@ -32,7 +34,8 @@ def client_of(scheduler: str | None, workers: int | None, room: Path) -> Iterato
     """A Dask client: of the ``scheduler`` at that address, or of ``workers`` processes here (as
     many as processors and memory allow), which keep things of their own in ``room``.
 
-    Raises MissingExtraError, InputError where nobody answers at the address.
+    Raises MissingExtraError, InputError where nobody answers at the address or no process can be
+    started.
     """
     try:
         import dask
@@ -46,16 +49,7 @@ def client_of(scheduler: str | None, workers: int | None, room: Path) -> Iterato
             if scheduler is not None:
                 client = stack.enter_context(_called(scheduler))
             else:
-                count = workers or default_workers()
-                cluster = distributed.LocalCluster(
-                    n_workers=count,
-                    threads_per_worker=1,
-                    memory_limit=memory() // count,
-                    dashboard_address="127.0.0.1:0",
-                    local_directory=room,
-                    silence_logs=logging.CRITICAL,
-                )
-                stack.enter_context(cluster)
+                cluster = stack.enter_context(_started(workers or default_workers(), room))
                 client = stack.enter_context(distributed.Client(cluster))
         yield client
 
@@ -70,6 +64,26 @@ def memory() -> int:
     from distributed.system import MEMORY_LIMIT
 
     return int(MEMORY_LIMIT)
+
+
+def _started(count: int, room: Path, attempts: int = _ATTEMPTS) -> Any:
+    from distributed import LocalCluster
+
+    try:
+        return LocalCluster(
+            n_workers=count,
+            threads_per_worker=1,
+            memory_limit=memory() // count,
+            dashboard_address="127.0.0.1:0",
+            local_directory=room,
+            silence_logs=logging.CRITICAL,
+        )
+    except RuntimeError as error:
+        if attempts > 1:
+            return _started(count, room, attempts - 1)
+        raise InputError(
+            f"--workers {count}: they die as they begin; give fewer, or more memory"
+        ) from error
 
 
 def _called(address: str) -> Any:
