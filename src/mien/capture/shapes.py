@@ -8,17 +8,10 @@ import numpy as np
 
 from mien.face.character import Character
 from mien.performance.performance import Performance
-from mien.vocabulary.arkit import names
+from mien.vocabulary.arkit import SCALARS, names
 
 _SIGMA = 0.5
 """mm; a phone's weights are smooth, and it is our own face that stands between."""
-_TOLD = {
-    "lid_left": "eyeBlinkLeft",
-    "lid_right": "eyeBlinkRight",
-    "tongue_out": "tongueOut",
-    "cheek_puff": "cheekPuff",
-}
-"""Scalars of a performance in ARKit's words."""
 
 
 def motion_from_shapes(performance: Performance, generic: Character) -> Performance:
@@ -33,7 +26,7 @@ def motion_from_shapes(performance: Performance, generic: Character) -> Performa
     face, spoken = generic.face, names()
     fields = face.points.at(np.stack([generic.keys[name] for name in spoken]))
     points = face.points.ids
-    told = {scalar: performance.shapes[:, spoken.index(word)] for scalar, word in _TOLD.items()}
+    told = {scalar: performance.shapes[:, spoken.index(word)] for scalar, word in SCALARS.items()}
     return replace(
         performance,
         points=points,

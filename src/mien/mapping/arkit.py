@@ -8,10 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mien.face.character import Character
-from mien.mapping.beside import OUTRIGHT
 from mien.mapping.joint import JointMapper
 from mien.performance.performance import Performance
-from mien.vocabulary.arkit import names
+from mien.vocabulary.arkit import SCALARS, names
 
 Array = NDArray[np.float64]
 
@@ -54,10 +53,7 @@ class ArkitMapper:
             looks = {"In": inward * yaw, "Out": -inward * yaw, "Up": pitch, "Down": -pitch}
             for way, level in looks.items():
                 weights[:, self._spoken.index(f"eyeLook{way}{side}")] = level
-            lid = performance.scalars.get(f"lid_{side.lower()}")
-            if lid is not None:
-                weights[:, self._spoken.index(f"eyeBlink{side}")] = lid
-        for scalar, word in OUTRIGHT.items():
+        for scalar, word in SCALARS.items():
             if scalar in performance.scalars:
                 column = weights[:, self._spoken.index(word)]
                 np.fmax(column, performance.scalars[scalar], out=column)

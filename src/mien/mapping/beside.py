@@ -12,13 +12,14 @@ from numpy.typing import NDArray
 from mien.face.character import Character
 from mien.performance.curves import Curves
 from mien.performance.performance import Performance
+from mien.vocabulary.arkit import SCALARS
 
 Array = NDArray[np.float64]
 
 _FULL = np.radians(35.0)
 """Gaze angle at which a key model that looks to a side is at 1."""
-OUTRIGHT = {"tongue_out": "tongueOut", "cheek_puff": "cheekPuff"}
-"""Scalars of a performance that no feature point shows, each with ARKit's word for it."""
+_OUTRIGHT = ("tongue_out", "cheek_puff")
+"""Scalars of a performance that no feature point shows and no lid."""
 
 
 def beside(curves: Curves, performance: Performance, character: Character) -> Curves:
@@ -37,7 +38,7 @@ def beside(curves: Curves, performance: Performance, character: Character) -> Cu
 
 def driven_beside(character: Character) -> tuple[str, ...]:
     """Key models of ``character`` that ``beside`` may set, whoever performs."""
-    told = (key for scalar in OUTRIGHT for key in _answering(scalar, character))
+    told = (key for scalar in _OUTRIGHT for key in _answering(scalar, character))
     return tuple(dict.fromkeys((*character.looks.values(), *told)))
 
 
@@ -55,7 +56,7 @@ def _told(performance: Performance, character: Character) -> dict[str, Array]:
     """(F,) of each key model that answers to a scalar of ``performance``."""
     return {
         key: np.clip(np.nan_to_num(performance.scalars[scalar]), 0.0, 1.0)
-        for scalar in OUTRIGHT
+        for scalar in _OUTRIGHT
         if scalar in performance.scalars
         for key in _answering(scalar, character)
     }
@@ -65,4 +66,4 @@ def _answering(scalar: str, character: Character) -> tuple[str, ...]:
     """Key models that answer to a scalar."""
     if scalar in character.keys.names:
         return (scalar,)
-    return character.speaks.get("arkit", {}).get(OUTRIGHT[scalar], ())
+    return character.speaks.get("arkit", {}).get(SCALARS[scalar], ())

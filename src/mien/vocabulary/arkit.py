@@ -9,6 +9,14 @@ from functools import cache
 from importlib import resources
 from types import MappingProxyType
 
+SCALARS = {
+    "lid_left": "eyeBlinkLeft",
+    "lid_right": "eyeBlinkRight",
+    "tongue_out": "tongueOut",
+    "cheek_puff": "cheekPuff",
+}
+"""What a performance measures apart from its points, in ARKit's words."""
+
 
 @dataclass(frozen=True, slots=True)
 class FaceShape:
