@@ -7,6 +7,7 @@ import numpy as np
 from mien.face.character import KeyModels
 from mien.face.face import Array, Face
 from mien.face.pieces import Pieces
+from mien.numeric.blending import blend
 from mien.numeric.rotation import from_gaze
 from mien.performance.curves import Curves
 
@@ -14,7 +15,7 @@ EYES = ("eye_left", "eye_right")
 
 
 class Poser:
-    """One face and the targets it is driven by, laid out so that a pose costs one product.
+    """One face and the targets it is driven by, laid out so that a pose costs one sum.
 
     Morph first ([B] eq. 14), then the eyes about their pivots, then the head about its own.
     Every step adds to the neutral and adds exactly nothing at rest, so that zero weights give
@@ -34,7 +35,7 @@ class Poser:
     def morph(self, weights: Array) -> Array:
         """Vertices (V, 3) in the head frame at ``weights`` (W,), mm."""
         vertices = self.face.vertices.copy()
-        motion = np.asarray(weights, dtype=np.float32) @ self._fields
+        motion = blend(np.asarray(weights, dtype=np.float32), self._fields)
         vertices[self._moved] += motion.reshape(-1, 3)
         return vertices
 
