@@ -7,9 +7,15 @@ from pathlib import Path
 import av
 import numpy as np
 import pytest
-from terminal import FRAMES, mien
+from terminal import FRAMES, mien, needs_landmarks
 
+from clips import noise, write_video
+from mien.face.library import load_character
+from mien.formats.pictures.sources import open_source
 from mien.performance.trace import Trace
+from mien.recipe import load_performance
+from mien.view.camera import Camera
+from mien.view.renderer import Renderer
 from mien.view.overlay import overlay
 
 
@@ -52,9 +58,21 @@ def test_a_take_and_its_overlay_are_as_long(take: Path, tmp_path: Path, capture:
         assert sum(1 for _ in film.decode(video=0)) == FRAMES
 
 
-def test_no_overlay_is_left_where_there_is_no_face(tmp_path: Path) -> None:
-    from clips import noise, write_video
+@needs_landmarks
+def test_of_two_faces_one_is_followed_and_it_is_said(take: Path, tmp_path: Path) -> None:
+    man = load_character("man").face
+    beside = Renderer(man).render(man.vertices, Camera(size=(256, 256)))
+    pair = [np.hstack([frame.image, beside]) for frame in open_source(take)]
+    write_video(tmp_path / "pair.mp4", pair)
+    done = mien("capture", "pair.mp4", "--capture", "tracker", "-o", "a.mien", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "; one of 2 faces was followed" in done.stdout
+    performance = load_performance(tmp_path / "a.mien")
+    assert performance.faces == 2
+    assert np.ptp(performance.translation[:, 0]) < 20.0, "it jumped from one to the other"
 
+
+def test_no_overlay_is_left_where_there_is_no_face(tmp_path: Path) -> None:
     film = write_video(tmp_path / "noise.mp4", noise(4))
     done = mien(
         "capture", film, "--capture", "snakes", "-o", "a.mien", "--overlay", "b.mp4", cwd=tmp_path

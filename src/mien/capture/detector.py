@@ -7,6 +7,7 @@ import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from importlib.util import find_spec
+from math import inf
 from pathlib import Path
 from threading import Lock
 from types import TracebackType
@@ -22,6 +23,9 @@ from mien.vocabulary.landmarks import ALL_LANDMARKS
 
 _TERMINAL = Lock()
 """Of two that silence it at once, one would give it back for good as the other left it."""
+
+COUNTED = 1.0
+"""Seconds between two moments at which the faces in view are counted."""
 
 Progress = Callable[[int], None]
 Beside = Callable[[Frame, NDArray[np.float32] | None], None]
@@ -98,6 +102,7 @@ def follow(
     points: list[NDArray[np.float32]] = []
     lost: list[bool] = []
     size = (0, 0)
+    faces, counted = 1, -inf
     nothing = np.zeros((len(KEPT), 3), dtype=np.float32)
     with Detector() as detector:
         for frame in frames:
@@ -106,6 +111,8 @@ def follow(
             points.append(nothing if seen is None else seen)
             lost.append(seen is None)
             size = (frame.image.shape[1], frame.image.shape[0])
+            if frame.time - counted >= COUNTED:
+                faces, counted = max(faces, detector.faces(frame.image)), frame.time
             if beside is not None:
                 beside(frame, seen)
             if progress is not None:
@@ -114,7 +121,7 @@ def follow(
         raise NoFaceError(
             f"no face was found in {len(time)} frames; a face must be in view, upright and lit"
         )
-    return LandmarkTrack(np.array(time), np.stack(points), np.array(lost), size)
+    return LandmarkTrack(np.array(time), np.stack(points), np.array(lost), size, faces)
 
 
 def _face_mesh() -> Any:

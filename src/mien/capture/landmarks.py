@@ -168,6 +168,7 @@ def perform(track: LandmarkTrack, known: Calibration, ground: Ground, source: st
         spans=SPANS,
         scalars={"lid_left": closure[kept, 0], "lid_right": closure[kept, 1]},
         source=source,
+        faces=track.faces,
     )
 
 

@@ -15,7 +15,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.capture.detector import Detector, installed
+from mien.capture.detector import COUNTED, Detector, installed
 from mien.capture.known import curve_calibration, landmark_calibration
 from mien.capture.landmarks import Calibration, calibrate, perform, with_shut
 from mien.capture.neutral import ground
@@ -50,8 +50,6 @@ LEARNING = 1.0
 _LEAST_FRAMES = 8
 _RECENT = 1.0
 """Seconds of landmarks that are kept, to learn shut lids from."""
-_COUNTED = 1.0
-"""Seconds between two moments at which the faces in view are counted."""
 _AT_ONCE = Trust(meeting=False)
 """A second at rest shows a face from one side: a bundle of such views tells nothing of its depth
 that the landmarks have not told, and would take seconds."""
@@ -107,7 +105,7 @@ class LandmarkStepper:
         if found is None:
             self.trace = Trace(lost=True)
             return _lost(self._last, frame.time)
-        if not 0.0 <= frame.time - self._counted < _COUNTED:
+        if not 0.0 <= frame.time - self._counted < COUNTED:
             self._faces, self._counted = self._detector.faces(frame.image), frame.time
         self.trace = Trace(points=found[:, :2].astype(float), faces=max(self._faces, 1))
         size = (frame.image.shape[1], frame.image.shape[0])

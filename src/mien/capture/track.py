@@ -44,6 +44,8 @@ class LandmarkTrack:
     """(F,)"""
     size: tuple[int, int]
     """Width and height of the picture."""
+    faces: int = 1
+    """The most faces that were in view; the points are of one of them."""
 
     def __len__(self) -> int:
         return len(self.time)

@@ -21,7 +21,7 @@ _AXIS = 40.0
 def trace_of(track: LandmarkTrack, performance: Performance, focal: float, frame: int) -> Trace:
     """Feature points, lids and head axes of one frame; ``focal`` in pixels."""
     if track.lost[frame]:
-        return Trace(lost=True, notes=("lost",))
+        return Trace(faces=track.faces, lost=True, notes=("lost",))
     places = track.points[frame, :, :2].astype(float)
     curves = {}
     for side, (upper, lower, (outer, inner)) in {
@@ -36,4 +36,4 @@ def trace_of(track: LandmarkTrack, performance: Performance, focal: float, frame
     world = tips @ performance.rotation[frame].T + performance.translation[frame]
     centre = np.array(track.size, dtype=float) / 2.0
     axes = world[:, :2] * np.array([1.0, -1.0]) / -world[:, 2:] * focal + centre
-    return Trace(curves=curves, points=places[_SHOWN], axes=axes)
+    return Trace(curves=curves, points=places[_SHOWN], axes=axes, faces=track.faces)

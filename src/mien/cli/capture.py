@@ -171,6 +171,7 @@ def summarize(performance: Performance) -> dict[str, Any]:
         "frames": len(performance),
         "seconds": round(float(performance.time[-1]), 6),
         "lost_frames": int(performance.lost.sum()),
+        "faces": performance.faces,
     }
 
 
@@ -179,6 +180,8 @@ def describe(summary: dict[str, Any]) -> str:
     lost = summary["lost_frames"]
     seen = f"no face in {lost} of them" if lost else "a face in all of them"
     length = f"{summary['frames']} frames, {summary['seconds']:.2f} s, {seen}"
+    if summary["faces"] > 1:
+        length += f"; one of {summary['faces']} faces was followed"
     if "markers" not in summary:
         return length
     return f"{length}; {describe_markers(summary['markers'])}"

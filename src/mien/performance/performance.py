@@ -81,6 +81,8 @@ class Performance:
     """(F, K) weights under that vocabulary, or (0, 0)."""
     source: str = ""
     """Where it came from, for a person to read."""
+    faces: int = 1
+    """The most faces that were in view; one of them was followed."""
 
     def __len__(self) -> int:
         return len(self.time)

@@ -46,7 +46,8 @@ def overlay(image: Picture, trace: Trace) -> Picture:
         cv2.circle(canvas, *_exact(place, 1.2 * width), _POINT, -1, cv2.LINE_AA, _FINE)
     for tip, colour in zip(trace.axes[1:], _AXES, strict=False):
         _line(canvas, np.stack([trace.axes[0], tip]) * scale, colour, width + 1)
-    for row, note in enumerate(trace.notes):
+    others = (f"one of {trace.faces} faces",) if trace.faces > 1 else ()
+    for row, note in enumerate((*others, *trace.notes)):
         place = (8, 20 + 18 * row)
         for thickness, shade in ((3, (0, 0, 0)), (1, _NOTE)):
             cv2.putText(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -118,4 +118,5 @@ def _show(settings: CaptureSettings, track: LandmarkTrack, done: Followed) -> No
     left = iter(done.found)
     for lost in track.lost.tolist():
         if settings.watch is not None:
-            settings.watch(Trace(lost=True) if lost else trace(done.met.person, next(left)))
+            shown = Trace(lost=True) if lost else trace(done.met.person, next(left))
+            settings.watch(replace(shown, faces=track.faces))

@@ -67,6 +67,7 @@ def write_performance(performance: Performance, path: Path) -> None:
         "vocabulary": performance.vocabulary,
         "weights": int(performance.shapes.shape[1]),
         "source": performance.source[:MAX_TEXT],
+        "faces": performance.faces,
     }
     arrays = {name: getattr(performance, name) for name in SHAPES}
     arrays |= {f"scalars/{name}": value for name, value in performance.scalars.items()}
@@ -109,6 +110,7 @@ def read_performance(path: Path) -> Performance:
         scalars={name: arrays[f"scalars/{name}"] for name in header["scalars"]},
         vocabulary=header["vocabulary"],
         source=header["source"],
+        faces=header.get("faces", 1),
     )
 
 
@@ -137,6 +139,7 @@ def _sizes(header: dict[str, Any]) -> dict[str, int]:
     for span in header["spans"]:
         _require_span(span, header["points"])
     frames = _require_count(header["frames"], MAX_FRAMES, "frames")
+    _require_count(header.get("faces", 1), MAX_NAMES, "faces")
     weights = _require_count(header["weights"], MAX_NAMES, "weights")
     spoken = frames if weights else 0
     return {"F": frames, "P": len(header["points"]), "G": spoken, "K": weights}
