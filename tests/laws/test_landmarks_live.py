@@ -13,7 +13,7 @@ import pytest
 
 pytest.importorskip("mediapipe", reason="the extra 'landmarks' is not installed")
 
-from mien.capture.detector import follow
+from mien.capture.detector import Detector, follow
 from mien.capture.known import known_or_learnt, landmark_section
 from mien.capture.landmarks import calibrate, perform, with_shut
 from mien.capture.neutral import ground
@@ -81,6 +81,22 @@ def test_a_whole_take_is_read_against_a_performer_that_is_known(film: list[Frame
     friend = CaptureSettings(performer=Performer(landmarks=landmark_section(known)))
     assert known_or_learnt(face, base, friend).focal == 777.0
     assert known_or_learnt(face, base, CaptureSettings(focal=555.0)).focal == 555.0
+
+
+def test_the_networks_say_in_our_thread_what_they_say_in_theirs(film: list[Frame]) -> None:
+    from mediapipe.python.solutions.face_mesh import FaceMesh
+
+    blank = np.zeros_like(film[0].image)
+    pictures = [blank, *(frame.image for frame in film[:6]), blank, film[0].image]
+    scale = np.array([blank.shape[1], blank.shape[0], blank.shape[1]], dtype=np.float32)
+    with FaceMesh(max_num_faces=1, refine_landmarks=True) as theirs, Detector() as ours:
+        for picture in pictures:
+            found = theirs.process(picture).multi_face_landmarks
+            seen = ours.landmarks(picture)
+            assert (seen is None) == (not found)
+            if seen is not None:
+                places = np.array([(p.x, p.y, p.z) for p in found[0].landmark], dtype=np.float32)
+                np.testing.assert_array_equal(seen, places * scale)
 
 
 def test_faces_in_view_are_counted_and_one_is_followed(
