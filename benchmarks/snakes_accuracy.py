@@ -29,7 +29,7 @@ from mien.capture.detector import Detector
 from mien.capture.known import curve_calibration
 from mien.capture.snakes.colour.palette import trained
 from mien.capture.snakes.colour.training import least_squares
-from mien.capture.snakes.curves.features import NAMES
+from mien.capture.snakes.curves.features import LASTING, NAMES
 from mien.capture.snakes.curves.fields import Weigh, usual_weights
 from mien.capture.snakes.curves.lens import lower_curve, upper_curve
 from mien.capture.snakes.stepper import Seen, SnakeCapture
@@ -110,7 +110,7 @@ def take_figures(
         seen = stepper.step(lit(frame.image, light if frames else "as it is"))
         frames += 1
         recovered += seen is None or (seen.recovered and frames > 1)
-        flagged += seen is None or bool(seen.lost.any())
+        flagged += seen is None or bool(seen.lost[LASTING].any())
         if wanted is not None and seen is not None:
             errors.append([part_error(seen, wanted, part) for part in PARTS])
     table = np.array(errors)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import cv2
 import numpy as np
@@ -14,11 +15,12 @@ from mien.capture.known import curve_calibration
 from mien.capture.learn import drawn_lenses
 from mien.capture.snakes.colour.regions import means, subareas
 from mien.capture.snakes.colour.training import GROUPS, teach
-from mien.capture.snakes.curves.features import NAMES, ROW, usual_lenses
+from mien.capture.snakes.curves.features import LASTING, NAMES, ROW, usual_lenses
 from mien.capture.snakes.curves.lens import height, outline
 from mien.capture.snakes.curves.settle import Expected, settle
 from mien.capture.snakes.head.patch import Placement
 from mien.capture.snakes.stepper import Appearance, SnakeCapture
+from mien.capture.snakes.watch import trace_of
 from mien.errors import FormatError, NoFaceError
 from mien.face.animate import Poser
 from mien.face.library import load_character
@@ -88,7 +90,7 @@ def test_watching_changes_nothing_and_is_told_every_frame(film: list[Picture]) -
     watched = CAPTURES["snakes"](frames(film), CaptureSettings(watch=told.append), "film")
     assert np.array_equal(plain.motion, watched.motion)
     assert len(told) == FRAMES
-    assert {f"{name}_upper" for name in NAMES} <= set(told[0].curves)
+    assert {f"{NAMES[row]}_upper" for row in np.flatnonzero(LASTING)} <= set(told[0].curves)
     assert told[0].beside is not None
     assert len(plain.points) == 20
     assert {"lid_left", "lid_right", "tongue_out", "mouth_seen"} <= set(plain.scalars)
@@ -144,6 +146,26 @@ def test_a_shadow_between_fingers_is_no_mouth(lean: float, lost: bool) -> None:
     cv2.fillPoly(mask, [np.round(outline(leaning) - corner).astype(np.int32)], 1)
     expected = Expected(rest, leaning, known=True, lost=False)
     assert settle("lip", mask.astype(np.float32), corner, expected).lost == lost
+
+
+@pytest.mark.parametrize(("shade", "lost"), [(1.0, False), (0.1, True)])
+def test_nostrils_are_seen_only_where_something_is_dark(shade: float, lost: bool) -> None:
+    rest, corner = usual_lenses()["nostril_left"], np.array([2.0, 46.0])
+    mask = np.zeros((38, 38), np.float32)
+    cv2.fillPoly(mask, [np.round(outline(rest) - corner + 3.0).astype(np.int32)], shade)
+    found = settle("nostril", mask, corner, Expected(rest, rest, known=False, lost=False))
+    assert found.lost == lost
+    if not lost:
+        assert np.abs(found.lens.mean(axis=0) - rest.mean(axis=0) - 3.0).max() < 1.0
+
+
+def test_curves_that_are_lost_are_not_drawn(film: list[Picture]) -> None:
+    seen = SnakeCapture().step(film[0])
+    assert seen is not None
+    lost = np.array([name == "lips" for name in NAMES])
+    drawn = trace_of(replace(seen, lost=lost))
+    assert not any(name.startswith(("lips", "mouth")) for name in drawn.curves)
+    assert "lips lost" in drawn.notes
 
 
 def test_networks_are_taught_from_known_features(film: list[Picture]) -> None:

@@ -154,9 +154,9 @@ class _Eyes:
             nearest = min(self._rectangles, key=lambda time: abs(time - frame.time))
             return drawn_lenses(self._rectangles[nearest], placement, curves)
         points = None if self._detector is None else self._detector.landmarks(frame.image)
-        return (
-            None if points is None else mesh_lenses(placement.to_patch(points[:, :2].astype(float)))
-        )
+        if points is None:
+            return None
+        return mesh_lenses(placement.to_patch(points[:, :2].astype(float)), curves)
 
 
 def drawn_lenses(rectangles: Mapping[str, Array], placement: Placement, curves: Array) -> Array:
@@ -172,8 +172,9 @@ def drawn_lenses(rectangles: Mapping[str, Array], placement: Placement, curves: 
     return result
 
 
-def mesh_lenses(points: Array) -> Array:
-    """(L + 1, 6, 2) lenses on the landmarks (478, 2) of one frame."""
+def mesh_lenses(points: Array, curves: Array) -> Array:
+    """(L + 1, 6, 2) lenses on the landmarks (478, 2) of one frame; ``curves`` stand for nostrils,
+    of which landmarks only mark the floor."""
     lid, lip, inner = LID_LOOPS[0], LIP_LOOPS[3], LIP_LOOPS[0]
     edges: dict[str, Sequence[NDArray[np.intp]]] = {
         "brow_left": (BROW_UPPER, BROW_LOWER),
@@ -183,9 +184,11 @@ def mesh_lenses(points: Array) -> Array:
     }
     for part in ("brow", "eye"):
         edges[f"{part}_right"] = [mirrored(edge)[::-1] for edge in edges[f"{part}_left"]]
-    return np.stack(
-        [fit_lens(points[edges[name][0]], points[edges[name][1]]) for name in (*NAMES, "mouth")]
-    )
+    result = curves.copy()
+    for row, name in enumerate((*NAMES, "mouth")):
+        if name in edges:
+            result[row] = fit_lens(points[edges[name][0]], points[edges[name][1]])
+    return result
 
 
 def _held(

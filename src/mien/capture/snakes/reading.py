@@ -15,7 +15,7 @@ from mien.capture import lids
 from mien.capture.gaze import gaze, gaze_rest
 from mien.capture.headfit import HeadFit, motion_from_neutral
 from mien.capture.landmarks import USUAL_FOCAL, WORLD_FROM_CAMERA, facing
-from mien.capture.snakes.curves.features import MOUTH, ROW, usual_features
+from mien.capture.snakes.curves.features import LASTING, MOUTH, ROW, usual_features
 from mien.capture.snakes.curves.lens import height
 from mien.capture.snakes.points import MM, POINTS, places
 from mien.capture.snakes.track import CurveTrack
@@ -88,7 +88,7 @@ def resting(track: CurveTrack, neutral: tuple[float, float] | None = None) -> ND
         0.5 * away
         + strange
         + 0.3 * height(lenses[:, MOUTH])
-        + 3.0 * track.missed[seen].mean(axis=1)
+        + 3.0 * track.missed[seen][:, LASTING].mean(axis=1)
     )
     score += np.clip(0.7 * wide - opening, 0.0, None)
     pace = float(np.median(np.diff(time))) if len(time) > 1 else _WINDOW
@@ -141,7 +141,7 @@ def perform(track: CurveTrack, known: Calibration, source: str) -> Performance:
     motion = _motion(track, known.neutral, head, known.focal)
     closure = lids.closures(track.opening, known.lids, facing(head)[:, 0])
     hold = _hold(track.lost)
-    share = 1.0 - track.missed.mean(axis=1)
+    share = 1.0 - track.missed[:, LASTING].mean(axis=1)
     return Performance(
         points=POINTS,
         neutral=known.neutral,

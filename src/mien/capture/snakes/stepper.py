@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from mien.capture.snakes.colour.pigments import pigments
 from mien.capture.snakes.colour.skin import skin_colour
 from mien.capture.snakes.colour.transform import Weights, window
-from mien.capture.snakes.curves.features import FEATURES, MOUTH, ROW, usual_features
+from mien.capture.snakes.curves.features import FEATURES, LASTING, MOUTH, ROW, usual_features
 from mien.capture.snakes.curves.fields import (
     Look,
     Weigh,
@@ -134,7 +134,7 @@ class SnakeCapture:
             self._last = None
             return None
         seen = replace(self._fit(start, image), recovered=recovered)
-        few = int((~seen.lost).sum()) < _FEWEST
+        few = int((~seen.lost[LASTING]).sum()) < _FEWEST
         self._missing = self._missing + 1 if few else 0
         if few and (recovered or self._missing > _PATIENCE):
             self._last, self._missing = None, 0

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mien.capture.snakes.colour.transform import window
-from mien.capture.snakes.curves.features import FEATURES, NAMES
+from mien.capture.snakes.curves.features import FEATURES, NAMES, ROW
 from mien.capture.snakes.curves.fields import field_of
 from mien.capture.snakes.curves.lens import lower_curve, upper_curve
 from mien.capture.snakes.head.patch import HEIGHT, WIDTH
@@ -25,11 +25,14 @@ _IRIS = RADIUS * np.stack([np.cos(_ROUND), np.sin(_ROUND)], axis=1)
 
 
 def trace_of(seen: Seen | None) -> Trace:
-    """Curves, rectangles, head axes, and the transformed picture beside."""
+    """Curves that were found, rectangles, head axes, and the transformed picture beside."""
     if seen is None:
         return Trace(lost=True, notes=("lost",), beside=_BLACK)
     curves = {}
+    found = [*(~seen.lost), not seen.lost[ROW["lips"]]]
     for row, name in enumerate((*NAMES, "mouth")):
+        if not found[row]:
+            continue
         for edge, curve in (("upper", upper_curve), ("lower", lower_curve)):
             curves[f"{name}_{edge}"] = seen.placement.to_frame(curve(seen.lenses[row]))
     boxes = {}

@@ -70,6 +70,7 @@ USUAL_WEIGHTS = {
     "brow": Weights(0.0, 0.75, -0.2, 0.0, 0.30),
     "eye": Weights(-0.1, 0.4, -0.43, 0.0, 0.08),
     "sclera": Weights(-0.5, 0.0, 0.0, 0.0, 0.05),
+    "nostril": Weights(0.0, 0.75, -0.2, 0.0, 0.20),
     "lip": Weights(0.2, 0.06, 0.0, 0.7, 0.06),
 }
 """Before any training: about what least squares gives on frontal photographs and films."""

@@ -27,15 +27,15 @@ class Feature:
 
     name: str
     group: str
-    """Key of the colour transformation it is sought in: "brow", "eye" or "lip"."""
+    """Key of the colour transformation it is sought in: "brow", "eye", "nostril" or "lip"."""
     box: tuple[int, int, int, int]
     """Left, top, right, bottom of its anthropometric rectangle."""
 
     @property
     def pitch(self) -> int:
-        """Patch units from one pixel to the next where it is sought: only lids are fine enough to
-        need every pixel of the patch."""
-        return 1 if self.group == "eye" else COARSE
+        """Patch units from one pixel to the next where it is sought: only lids and nostrils are
+        fine enough to need every pixel of the patch."""
+        return 1 if self.group in ("eye", "nostril") else COARSE
 
 
 FEATURES = (
@@ -43,12 +43,17 @@ FEATURES = (
     Feature("eye_left", "eye", (16, -22, 84, 18)),
     Feature("brow_right", "brow", (-104, -68, -4, -10)),
     Feature("brow_left", "brow", (4, -68, 104, -10)),
+    Feature("nostril_right", "nostril", (-40, 46, -2, 84)),
+    Feature("nostril_left", "nostril", (2, 46, 40, 84)),
     Feature("lips", "lip", (-66, 80, 66, 189)),
 )
 """In the order in which they are sought: brows lie above the eyes that were found."""
 NAMES = tuple(feature.name for feature in FEATURES)
 ROW = {name: row for row, name in enumerate(NAMES)}
 
+
+LASTING = np.array([feature.group != "nostril" for feature in FEATURES])
+"""(L,) what every face shows; nostrils hide as soon as a head bows."""
 
 MOUTH = len(FEATURES)
 """Row of the mouth's opening, which is found inside the lips."""

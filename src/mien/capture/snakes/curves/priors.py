@@ -25,6 +25,8 @@ _BROW_ALONG = 0.003
 """Its ends fade into the skin: they are where they are at rest, across the face."""
 _STRANGER = 0.1
 """How much less the shape of everybody's brow is trusted than the performer's own."""
+_NOSTRIL_SHAPE, _NOSTRIL_PLACE = 0.002, 0.002
+"""A nostril keeps its shape, and its place on a nose that hardly moves."""
 _LIPS = 0.0001
 """Lips stay where they were, but hardly: a mouth opens within a few frames."""
 _LIP_CORNERS = 0.002
@@ -42,6 +44,7 @@ _ENDS, _MIDDLES, _WHOLE = _pick([0, 1]), _pick([2, 3, 4, 5]), np.eye(12)
 _LIFTED = np.kron(np.array([[0.5, 0.5, -0.25, -0.25, -0.25, -0.25]]), np.array([[0.0, 1.0]]))
 _ALONG = np.eye(12)[[0, 2]]
 _THICKNESS = _pick([4, 5]) - _pick([2, 3])
+_PLACE = np.kron(np.full((1, 6), 1.0 / 6.0), np.eye(2))
 _SHAPE = np.eye(12) - np.kron(np.full((6, 6), 1.0 / 6.0), np.eye(2))
 
 
@@ -78,6 +81,10 @@ def _squares(group: str, known: bool) -> tuple[Array, Array, Array]:
         shape = _square(trust * _BROW_SHAPE, _SHAPE)
         thickness = _square(trust * _BROW_THICKNESS, _THICKNESS)
         to_rest = shape + thickness + _square(_BROW_ALONG, _ALONG)
+        to_last = np.zeros((12, 12))
+    elif group == "nostril":
+        place = _NOSTRIL_PLACE * (1.0 if known else 0.5)
+        to_rest = _square(_NOSTRIL_SHAPE, _SHAPE) + _square(place, _PLACE)
         to_last = np.zeros((12, 12))
     else:
         to_rest = _square(_EVENNESS, _EVEN) + _square(_LIP_CORNERS, _LIFTED)

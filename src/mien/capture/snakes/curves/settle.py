@@ -27,15 +27,15 @@ _NEGLIGIBLE = 0.3
 """Pixels of a blur that changes nothing."""
 _THICKEST_BROW = 24.0
 """A taller blob is hair."""
-_NARROWEST = {"brow": 0.0, "eye": 0.0, "lip": 38.0}
+_NARROWEST = {"brow": 0.0, "eye": 0.0, "nostril": 0.0, "lip": 38.0}
 _TALLER, _FLATTER = 1.25, 0.8
-LEAST_CONTRAST = {"brow": 0.08, "eye": 0.12, "lip": 0.12}
+LEAST_CONTRAST = {"brow": 0.08, "eye": 0.12, "nostril": 0.15, "lip": 0.12}
 """Mean difference of I across the curves below which a feature counts as lost."""
-_FARTHEST = {"brow": 26.0, "eye": 14.0, "lip": 45.0}
+_FARTHEST = {"brow": 26.0, "eye": 14.0, "nostril": 14.0, "lip": 45.0}
 """Patch units from its place at rest beyond which no feature goes."""
-_TALLEST = {"brow": 32.0, "eye": 36.0, "lip": 105.0}
-_WIDEST = {"brow": 100.0, "eye": 66.0, "lip": 115.0}
-_COVERED = {"brow": 0.0, "eye": 0.0, "lip": 48.0}
+_TALLEST = {"brow": 32.0, "eye": 36.0, "nostril": 16.0, "lip": 105.0}
+_WIDEST = {"brow": 100.0, "eye": 66.0, "nostril": 30.0, "lip": 115.0}
+_COVERED = {"brow": 0.0, "eye": 0.0, "nostril": 6.0, "lip": 48.0}
 """A narrower one is partly hidden: mouths that whistle keep 50 units of width in six films, those
 half behind a hand have 38 to 48."""
 _MOST_LEAN = np.cos(np.radians(35.0))
@@ -187,7 +187,7 @@ def _starts(
     starts = [last]
     blob = None
     # Blobs cost a third of the time, and lead brows and eyes nowhere they would not go.
-    if group == "lip" or expected.lost or not expected.known:
+    if group == "lip" or not expected.known or (expected.lost and group != "nostril"):
         blob = find_blob(field, (last.mean(axis=0) - corner) / pitch, pitch)
     if blob is not None:
         lens = blob_lens(blob, corner, pitch)
