@@ -16,7 +16,7 @@ from mien.capture.headfit import (
     residuals,
 )
 from mien.capture.landmarks import GAIN, calibrate, perform
-from mien.capture.lids import LidRange, closures
+from mien.capture.lids import LidRange, closures, paired
 from mien.capture.neutral import Ground, ground
 from mien.capture.normal_equations import accumulate
 from mien.capture.track import KEPT, ROW, LandmarkTrack
@@ -284,6 +284,15 @@ def test_the_far_eye_of_a_turned_head_follows_the_near_one():
     opening = np.array([[0.1, 0.3]])
     turned = closures(opening, span, np.array([np.radians(40.0)]))
     np.testing.assert_allclose(turned[0, 0], turned[0, 1])
+
+
+def test_eyes_that_differ_by_less_than_a_pixel_go_together():
+    closure = np.array([[0.4, 0.9], [0.0, 1.0], [0.2, 0.2]])
+    small = paired(closure, np.full((3, 2), 2.0))
+    np.testing.assert_allclose(small, [[0.65, 0.65], [0.25, 0.75], [0.2, 0.2]])
+    large = paired(closure, np.full((3, 2), 100.0))
+    np.testing.assert_allclose(large, closure, atol=0.005001)
+    np.testing.assert_allclose(paired(closure[:, ::-1], np.full((3, 2), 2.0)), small[:, ::-1])
 
 
 def test_the_residual_alone_is_the_residual_of_the_jacobian():

@@ -151,6 +151,8 @@ def perform(track: LandmarkTrack, known: Calibration, ground: Ground, source: st
     lifted = known.model + motion
     turn = facing(fit)
     closure = lids.closures(lids.openings(lifted, known.model), known.lids, turn[:, 0])
+    scale = known.focal / fit.translation[:, 2:]
+    closure = lids.paired(closure, scale * lids.eye_widths(known.model) * known.lids.open)
     kept = hold(track.lost)
     return Performance(
         points=POINTS,
