@@ -83,8 +83,11 @@ def closures(opening: Array, span: LidRange, yaw: Array) -> Array:
 
 
 def paired(closure: Array, height: Array) -> Array:
-    """(F, 2) ``closure`` without the last pixel of what the two eyes differ by, where an open eye is
-    ``height`` (F, 2) pixels high: in a small picture that much is noise, and a wink that is none."""
+    """(F, 2) ``closure`` without the last pixel by which the two eyes differ.
+
+    ``height`` (F, 2) pixels of the open eyes: in a small picture that much is noise, and makes
+    winks that are none.
+    """
     apart = np.diff(closure, axis=1)
     known = np.sign(apart) * np.maximum(np.abs(apart) - 1.0 / height.mean(axis=1)[:, None], 0.0)
     return np.asarray(closure.mean(axis=1, keepdims=True) + known * (-0.5, 0.5))
