@@ -9,7 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mien.capture.headfit import HeadFit, motion_from_neutral
-from mien.capture.landmarks import POINT_ROWS, WORLD_FROM_CAMERA, Calibration, by_region, hold, rays
+from mien.capture.landmarks import (
+    POINT_ROWS,
+    POINTS,
+    WORLD_FROM_CAMERA,
+    Calibration,
+    by_region,
+    hold,
+    rays,
+)
 from mien.capture.track import KEPT, LandmarkTrack
 from mien.capture.tracker.meet import ROWS, VERTICES, Meeting
 from mien.capture.tracker.track import Found
@@ -34,9 +42,11 @@ _DOUBT, _STEEP = 1.6, 4
 """Times the usual disagreement of looks at which half the confidence is gone, and how fast."""
 _LEAST = 0.1
 """Disagreement that everybody has."""
-_PUFF, _FLAT, _ROUND = "cheek_puff", 0.3, 0.45
-"""Weights from which cheeks count as blown up, and fully so: smiles and sneers of faces that blow
-nothing up reach 0.29, cheeks that are blown up 0.4."""
+_PUFF, _FLAT, _ROUND = "cheek_puff", 0.2, 0.4
+"""Weights from which cheeks count as blown up, and fully so."""
+_PARTED = 3.0
+"""mm between lips through which all air is gone."""
+_UPPER, _LOWER = POINTS.index("2.2"), POINTS.index("2.3")
 
 
 def perform(
@@ -68,6 +78,7 @@ def perform(
     lips = skin[:, _LIPS] - points[:, _LIPS]
     motion[:, _LIPS] += _MOUTH * lips.mean(axis=1, keepdims=True)
     confidence = confidences(np.array([each.cost for each in found]))
+    parted = points[:, _UPPER, 1] - points[:, _LOWER, 1]
     kept = hold(track.lost)
     return replace(
         plain,
@@ -77,7 +88,10 @@ def perform(
         translation=(fit.translation @ WORLD_FROM_CAMERA)[kept],
         confidence=np.where(track.lost, 0.0, confidence[kept]),
         unseen=fit.rotation[:, 2][kept],
-        scalars={**plain.scalars, "cheek_puff": _puff(fit.weights, met)[kept]},
+        scalars={
+            **plain.scalars,
+            "cheek_puff": (confidence * _puff(fit.weights, parted, met))[kept],
+        },
     )
 
 
@@ -88,13 +102,15 @@ def confidences(costs: Array) -> Array:
     return np.asarray(1.0 / (1.0 + (costs / (_DOUBT * usual)) ** _STEEP))
 
 
-def _puff(weights: Array, met: Meeting) -> Array:
-    """(F,) how far the cheeks are blown up, which no landmark shows, of ``weights`` (F, K)."""
+def _puff(weights: Array, parted: Array, met: Meeting) -> Array:
+    """(F,) how far the cheeks are blown up, which no landmark shows, of ``weights`` (F, K); lips
+    that have ``parted`` by as many mm (F,) hold no air."""
     names = met.person.space.names
     if _PUFF not in names:
         return np.zeros(len(weights))
     level = weights[:, names.index(_PUFF)]
-    return np.clip((level - _FLAT) / (_ROUND - _FLAT), 0.0, 1.0)
+    shut = np.clip(1.0 - parted / _PARTED, 0.0, 1.0)
+    return np.asarray(shut * np.clip((level - _FLAT) / (_ROUND - _FLAT), 0.0, 1.0))
 
 
 def _point_shapes(met: Meeting) -> Array:
