@@ -39,7 +39,7 @@ from mien.formats.takes.recording import read_recording
 from mien.mapping import MAPPERS, Settings
 from mien.mapping.arkit import arkit_weights
 from mien.mapping.beside import beside
-from mien.mapping.fap import fap_values
+from mien.mapping.fap import fap_values, parted
 from mien.mapping.held import with_held
 from mien.mapping.own import own_examples
 from mien.mapping.ranges import measure_ranges
@@ -269,7 +269,7 @@ def animate(
     curves = beside(mapper(performance), performance, character)
     if smooth:
         curves = Smoother()(curves) if causal else smooth_curves(curves)
-    return overridden(curves, character)
+    return overridden(parted(curves, character), character)
 
 
 def _with_own(

@@ -17,7 +17,7 @@ from mien.face.fap_targets import basis_of, fap_models, fap_weights
 from mien.face.library import generic_face
 from mien.mapping import MAPPERS, Settings
 from mien.mapping.arkit import arkit_weights
-from mien.mapping.fap import FapMapper, FapProgramme, fap_values
+from mien.mapping.fap import FapMapper, FapProgramme, fap_values, parted
 from mien.numeric.qp import kkt_residual, solve_boxes
 from mien.performance.acted import acted
 from mien.performance.performance import Performance
@@ -144,6 +144,34 @@ def test_faps_that_came_as_such_pass_as_they_are() -> None:
     assert curves.names == fap_models(toy).names
     np.testing.assert_array_equal(curves.weights, fap_weights(toy, values))
     np.testing.assert_array_equal(fap_values(take), values)
+
+
+def test_smoothing_does_not_push_lips_through_each_other() -> None:
+    """Each weight is smoothed by itself: lips that shut fast would overtake each other."""
+    man = built_in("man")
+    together = np.stack([visemes()["a"], expressions()["joy"], np.zeros(66)])
+    names = ("lower_t_midlip", "raise_b_midlip")
+    take = motion_from_faps(spoken(together), generic_face())
+    curves = MAPPERS["fap"](man, take, Settings())(take)
+    np.testing.assert_allclose(parted(curves, man).weights, curves.weights, atol=1e-12)
+    columns = [curves.names.index(name) for name in names]
+    weights = curves.weights.copy()
+    weights[:, columns] = 0.3
+    weights[:, curves.names.index("slide_t_l_eyelid")] = 0.0
+    mended = parted(replace(curves, weights=weights), man).weights
+    reach = [fap.reach for fap in simple() if fap.name in names]
+    np.testing.assert_allclose(mended[:, columns] @ reach, basis_of(man).closed, atol=1e-9)
+    np.testing.assert_allclose(
+        mended[:, curves.names.index("slide_t_l_eyelid")],
+        curves.weights[:, curves.names.index("slide_t_l_eyelid")],
+    )
+
+
+def test_curves_of_other_mappings_are_left_alone() -> None:
+    man = built_in("man")
+    take = showing(man, np.zeros((2, 66)), points=POINTS)
+    curves = MAPPERS["cardinal"](man, take, Settings())(take)
+    assert parted(curves, man) is curves
 
 
 def test_closures_that_were_measured_shut_the_eyes() -> None:

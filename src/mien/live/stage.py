@@ -20,6 +20,7 @@ from mien.face.overrides import overridden
 from mien.mapping import MAPPERS, Mapper, Settings
 from mien.mapping.arkit import ArkitMapper
 from mien.mapping.beside import beside
+from mien.mapping.fap import parted
 from mien.mapping.held import with_held
 from mien.performance.arkit_frame import ArkitFrame, performance_of
 from mien.performance.curves import Curves
@@ -119,7 +120,11 @@ class Stage:
             beside(self._mappers[character.name](moved), moved, character)
             for character in self._characters
         ]
-        shown = map(overridden, self._smoother.together(mapped), self._characters)
+        smoothed = self._smoother.together(mapped)
+        shown = [
+            overridden(parted(curves, character), character)
+            for curves, character in zip(smoothed, self._characters, strict=True)
+        ]
         curves = dict(zip(self._mappers, shown, strict=True))
         return Moment(
             time,

@@ -14,7 +14,7 @@ a lip go together, and a lower lip that falls far has a jaw that falls with it.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +23,7 @@ from mien.errors import InputError
 from mien.face.character import Character
 from mien.face.face import Face
 from mien.face.fap_basis import FapBasis
-from mien.face.fap_targets import basis_of, fap_models, fap_weights
+from mien.face.fap_targets import basis_of, fap_models, fap_weights, is_fap
 from mien.face.library import generic_face
 from mien.mapping.joint import head_on_neck
 from mien.mapping.settings import Settings
@@ -178,6 +178,24 @@ class FapMapper:
             lost=performance.lost,
             residual=residual,
         )
+
+
+def parted(curves: Curves, character: Character) -> Curves:
+    """``curves`` of FAPs with lips and lids that were smoothed into each other parted again; other
+    curves as they are."""
+    own = character.keys.names
+    if not any(is_fap(name) and name not in own for name in curves.names):
+        return curves
+    columns = [curves.names.index(name) for name in fap_models(character).names]
+    values = np.zeros((len(curves), len(simple())))
+    for fap in simple():
+        if fap.name in curves.names:
+            values[:, column(fap.number)] = (
+                fap.reach * curves.weights[:, curves.names.index(fap.name)]
+            )
+    weights = curves.weights.copy()
+    weights[:, columns] = fap_weights(character, values)
+    return replace(curves, weights=weights)
 
 
 def fap_values(performance: Performance) -> Array:
