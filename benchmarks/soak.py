@@ -5,7 +5,7 @@
 Two pages send pictures as fast as the studio takes them: 54,000 are half an hour of a camera.
 Meanwhile pages are reloaded and torn away without a word, one does not read, malformed and
 oversized messages come, films are uploaded and broken off, a take is recorded all the time and
-begun anew. Told are the studio's memory along the way and at the end, pictures seen, and takes that
+begun anew. Told are the studio's memory every minute and at the end, pictures seen, and takes that
 were not whole; then the studio is killed hard in the middle of a recording.
 """
 
@@ -16,6 +16,7 @@ import http.client
 import json
 import random
 import struct
+import sys
 import tempfile
 import time
 from collections.abc import Iterator, Sequence
@@ -148,12 +149,15 @@ def soak(pictures: Sequence[bytes], options: argparse.Namespace) -> dict[str, fl
         for target, given in ((_stall, (studio, pictures, done)), (_break_off, (studio, done))):
             Thread(target=target, args=given, daemon=True).start()
         told: list[tuple[int, float]] = []
-        seen = 0
+        seen = minute = 0
         while seen < options.frames and time.monotonic() < begin + 60.0 * options.minutes:
             seen = sum(actor.seen for actor in actors)
             if studio.process.poll() is not None:
                 raise SystemExit(f"the studio died after {seen} pictures")
             told.append((seen, memory_mb(studio.process.pid)))
+            if time.monotonic() > begin + 60.0 * minute:
+                print(f"{minute:4} min {seen:7} pictures {told[-1][1]:7.0f} MB", file=sys.stderr)
+                minute += 1
             time.sleep(1.0)
         seconds = time.monotonic() - begin
         done.set()

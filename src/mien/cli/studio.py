@@ -75,7 +75,9 @@ def _bound(host: str, port: int) -> socket.socket:
     """A listening socket. Raises InputError where somebody else listens."""
     try:
         family = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0][0]
-        door = socket.socket(family, socket.SOCK_STREAM)
+        # Named, asyncio knows it for TCP and lets small messages go at once; otherwise weights
+        # wait until the page has acknowledged the last ones, which it does with its next picture.
+        door = socket.socket(family, socket.SOCK_STREAM, socket.IPPROTO_TCP)
         door.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         door.bind((host, port))
         door.listen()

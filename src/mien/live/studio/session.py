@@ -24,6 +24,7 @@ from mien.live.studio import packet
 from mien.live.studio.adjust import Desk
 from mien.live.studio.coach import HELD, Coach
 from mien.live.studio.keeping import Keeping
+from mien.live.studio.memory import give_back
 from mien.live.studio.messages import (
     Actor,
     Adjust,
@@ -140,6 +141,7 @@ class Session:
         finally:
             self._finish_recording()
             self._look_away()
+            self._stage = Stage()
             self._forget_stepper()
 
     def _obey(self) -> None:
@@ -264,7 +266,8 @@ class Session:
     def _forget_stepper(self) -> None:
         if self._stepper is not None:
             self._stepper.close()
-        self._stepper = None
+            self._stepper = None
+            give_back()
 
     def _pose(self, hold: Hold) -> dict[str, float]:
         """What a face that is held stands for; nothing for a rest and for shut lids. Raises
