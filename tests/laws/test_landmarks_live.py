@@ -104,8 +104,9 @@ def test_faces_in_view_are_counted_and_one_is_followed(
 ) -> None:
     image = film[0].image
     two = np.ascontiguousarray(np.concatenate([image, image], axis=1))
-    stepper.step(Frame(image, 0.0))
-    assert stepper.trace.faces == 1
-    for time in (0.5, 1.5):
-        stepper.step(Frame(two, time))
-    assert stepper.trace.faces == 2
+    counted = []
+    for picture, time in ((image, 0.0), (two, 0.5), (two, 1.5), (two, 1.6)):
+        stepper.step(Frame(picture, time))
+        stepper.look_around()
+        counted.append(stepper.trace.faces)
+    assert counted == [1, 1, 1, 2], "counted once a second, and told from the next picture on"

@@ -67,6 +67,9 @@ class Stepper(Protocol):
         """What the performer does in ``frame``, as a performance of one frame; None until enough
         is known of them. A face that is lost keeps its last look, marked as lost."""
 
+    def look_around(self) -> None:
+        """Once the frame has been answered: see to what could wait until then."""
+
     def learn(self) -> None:
         """Forget the performer's neutral, and learn it from the frames that follow."""
 
@@ -86,6 +89,7 @@ class LandmarkStepper:
         self._last: Performance | None = None
         self._recent: deque[LandmarkTrack] = deque()
         self._faces, self._counted = 1, -inf
+        self._frame: Frame | None = None
         self._detector = Detector()
         self.trace = Trace()
 
@@ -105,8 +109,7 @@ class LandmarkStepper:
         if found is None:
             self.trace = Trace(lost=True)
             return _lost(self._last, frame.time)
-        if not 0.0 <= frame.time - self._counted < COUNTED:
-            self._faces, self._counted = self._detector.faces(frame.image), frame.time
+        self._frame = frame
         self.trace = Trace(points=found[:, :2].astype(float), faces=max(self._faces, 1))
         size = (frame.image.shape[1], frame.image.shape[0])
         now = LandmarkTrack(np.array([frame.time]), found[None], np.zeros(1, dtype=bool), size)
@@ -120,6 +123,12 @@ class LandmarkStepper:
         assert self._known is not None
         self._last = perform(now, self._known, self._ground, "live")
         return self._last
+
+    def look_around(self) -> None:
+        """Count the faces in view, now and then; the traces that follow tell how many."""
+        frame, self._frame = self._frame, None
+        if frame is not None and not 0.0 <= frame.time - self._counted < COUNTED:
+            self._faces, self._counted = self._detector.faces(frame.image), frame.time
 
     def learn(self) -> None:
         """See Stepper."""
@@ -187,6 +196,9 @@ class SnakeStepper:
         self._last = perform_curves(now.track(size), self._known, "live")
         return self._last
 
+    def look_around(self) -> None:
+        """See Stepper."""
+
     def learn(self) -> None:
         """See Stepper."""
         self._known, self._seen, self._last = None, Gathering(), None
@@ -238,6 +250,10 @@ class TrackerStepper:
         trust = confidences(np.array(self._costs))[-1:]
         self._last = replace(tracked, confidence=trust)
         return self._last
+
+    def look_around(self) -> None:
+        """See Stepper."""
+        self._landmarks.look_around()
 
     def learn(self) -> None:
         """See Stepper."""

@@ -79,6 +79,7 @@ def run(
             _count(tally, moment, slot.dropped, perf_counter() - arrived)
             if watch is not None:
                 watch(moment, tally)
+            stage.look_around()
     except KeyboardInterrupt:
         pass  # how a live run is ended
     finally:

@@ -86,6 +86,11 @@ class Stage:
             return Moment(frame.time, "waiting")
         return self._moment(frame.time, performance)
 
+    def look_around(self) -> None:
+        """Once everybody was told of a picture: see to what could wait until then."""
+        if self._stepper is not None:
+            self._stepper.look_around()
+
     def hear(self, frame: ArkitFrame) -> Moment:
         """The moment in a frame that somebody streams."""
         if self._begin is None:

@@ -21,6 +21,8 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from time import perf_counter
 
 import numpy as np
 
@@ -32,6 +34,25 @@ MAGIC, VERSION = b"MIEN", 1
 STATES = ("waiting", "following", "lost")
 _METRES = 1e-3
 
+_FIELD = 230.0
+"""Millimetres from one border to the other where a performance without pictures is shown."""
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """What is sent for one frame."""
+
+    at: float
+    """When the frame came, on the performance counter."""
+    time: float
+    """Seconds, of its source."""
+    state: str
+    sections: list[tuple[str, bytes]]
+
+    def sent(self) -> bytes:
+        """The message, as late as it is now."""
+        late = 1e3 * (perf_counter() - self.at)
+        return packet([moment(self.time, late, self.state), *self.sections])
 
 def packet(sections: list[tuple[str, bytes]]) -> bytes:
     """One message of named sections."""

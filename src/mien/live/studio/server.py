@@ -45,6 +45,7 @@ from mien.live.studio.admission import admit, as_it_is
 from mien.live.studio.messages import Note, Told, decode, encode
 from mien.live.studio.safety import Guard, Rules
 from mien.live.studio.session import Session
+from mien.live.studio.packet import Answer
 from mien.live.studio.shelf import (
     MODELS,
     PERFORMERS,
@@ -243,22 +244,22 @@ async def _listen(socket: WebSocket, session: Session, outbox: _Outbox) -> None:
 
 
 class _Outbox:
-    """What waits for a page: of messages a few, of frames the newest."""
+    """What waits for a page: of messages a few, of answers to frames the newest."""
 
     def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
         self._loop = loop
         self._messages: deque[str] = deque(maxlen=_MOST_WAITING)
-        self._frame: bytes | None = None
+        self._answer: Answer | None = None
         self._filled = asyncio.Event()
 
-    def put(self, item: Told | bytes) -> None:
+    def put(self, item: Told | Answer) -> None:
         """From any thread."""
         with suppress(RuntimeError):  # the server has gone
             self._loop.call_soon_threadsafe(self._put, item)
 
-    def _put(self, item: Told | bytes) -> None:
-        if isinstance(item, bytes):
-            self._frame = item
+    def _put(self, item: Told | Answer) -> None:
+        if isinstance(item, Answer):
+            self._answer = item
         else:
             self._messages.append(encode(item))
         self._filled.set()
@@ -271,9 +272,9 @@ class _Outbox:
                 self._filled.clear()
                 while self._messages:
                     await socket.send_text(self._messages.popleft())
-                frame, self._frame = self._frame, None
-                if frame is not None:
-                    await socket.send_bytes(frame)
+                answer, self._answer = self._answer, None
+                if answer is not None:
+                    await socket.send_bytes(answer.sent())
 
 
 async def _picks(request: Request) -> Picks:

@@ -10,7 +10,6 @@ from importlib import resources
 from queue import Empty, Full, Queue
 from secrets import token_urlsafe
 from threading import Event, Thread
-from time import perf_counter
 from urllib.parse import quote
 
 from mien.capture.detector import WITHOUT, installed
@@ -59,8 +58,8 @@ _WAITING = 64
 """Messages of the page that may wait."""
 _PATIENCE = 0.05
 
-Tell = Callable[[Told | bytes], None]
-"""Sends to the page; must not wait. Of frames the newest counts."""
+Tell = Callable[[Told | packet.Answer], None]
+"""Sends to the page; must not wait. Of answers the newest counts."""
 
 
 class Session:
@@ -352,7 +351,8 @@ class Session:
             self._teach(moment)
         else:
             moment = self._stage.show(item)
-        self._tell(self._packet(arrived, moment))
+        self._tell(self._answer(arrived, moment))
+        self._stage.look_around()
 
     def _teach(self, moment: Moment) -> None:
         """Let the coach look; when it has seen enough, everybody knows."""
@@ -376,9 +376,8 @@ class Session:
             film = self._look.source == "video"
             keeping.close(self._shelf.there(self._look.name, VIDEOS) if film else None)
 
-    def _packet(self, arrived: Arrived, moment: Moment) -> bytes:
-        late = 1e3 * (perf_counter() - arrived.at)
-        sections = [packet.moment(moment.time, late, moment.state)]
+    def _answer(self, arrived: Arrived, moment: Moment) -> packet.Answer:
+        sections = []
         if arrived.place is not None:
             sections.append(packet.playing(*arrived.place))
         if isinstance(arrived.item, Frame) and self._stepper is not None:
@@ -393,4 +392,4 @@ class Session:
             if name in adjusted:
                 names = targets(self._troupe.character(name))
                 sections.append(packet.character(number, adjusted[name], names))
-        return packet.packet(sections)
+        return packet.Answer(arrived.at, moment.time, moment.state, sections)
