@@ -39,7 +39,7 @@ Array = NDArray[np.float64]
 _USUAL, _USUAL_DEPTH = 0.5, 0.2
 """What a FAP usually does, of what it can do at most: less in depth, where a head that nods a
 little would be taken for lips that are sucked in."""
-_EDGES, _CORNERS, _JAW, _POUT = 120.0, 50.0, 120.0, 150.0
+_EDGES, _CORNERS, _JAW, _POUT, _BOSS = 120.0, 50.0, 80.0, 150.0, 100.0
 _KIN = (
     *(({52: 1.0, 5: -1.0}, _EDGES), ({57: 1.0, 10: -1.0}, _EDGES), ({58: 1.0, 11: -1.0}, _EDGES)),
     *(({51: 1.0, 4: -1.0}, _EDGES), ({55: 1.0, 8: -1.0}, _EDGES), ({56: 1.0, 9: -1.0}, _EDGES)),
@@ -48,9 +48,11 @@ _KIN = (
     *(({5: 1.0, 3: 1.0}, _JAW), ({10: 1.0, 3: 0.9}, _JAW), ({11: 1.0, 3: 0.9}, _JAW)),
     *(({12: 1.0, 3: 0.3}, 2 * _JAW), ({13: 1.0, 3: 0.3}, 2 * _JAW)),
     *(({17: 1.0, 6: 0.6, 7: 0.6}, _POUT), ({16: 1.0, 6: 0.6, 7: 0.6}, _POUT)),
+    ({18: 1.0}, _BOSS),
 )
 """Sums of FAPs that are usually small, and how small: outer edges of the lips against the inner,
-the lower lip and the corners against the jaw, lips that pout where the mouth narrows."""
+the lower lip and the corners against the jaw, lips that pout where the mouth narrows; the
+chin's boss, to which nothing is left that the jaw explains."""
 _FEWEST = 8
 _NOT_SKIN = frozenset({"3.5", "3.6", "7.1"})
 """Pupils turn with the gaze and the neck with the head."""
@@ -95,9 +97,11 @@ class FapProgramme:
         self._solved = np.flatnonzero(fields.any(axis=(1, 2)) & known)
         self._reach = reach[self._solved]
         stretch = max(self.settings.gain, 1.0)
-        bounds = np.array([(fap.lower, fap.upper) for fap in simple()])[self._solved]
-        lower, upper = stretch * bounds.T / self._reach
+        bounds = stretch * np.array([(fap.lower, fap.upper) for fap in simple()])[self._solved]
+        lower, upper = bounds.T / self._reach
         self.bounds: tuple[Array, Array] = lower, upper
+        ends = np.sort(fields[self._solved][..., 1, None] * bounds[:, None])
+        self._farthest = np.moveaxis(ends.sum(axis=0), -1, 0)
         self.fields = self.rows(fields[self._solved]) * self._reach[:, None, None]
         self._sight = Sight(self.fields, self.rows.precision)
         self._prior = _prior()[np.ix_(self._solved, self._solved)]
@@ -109,7 +113,11 @@ class FapProgramme:
         sight = seen(performance.unseen[part])
         alike = bool((sight == sight[:1]).all())
         gram = self._sight.gram(sight[:1] if alike else sight)
-        return gram + self._prior, -self._sight.onto(self._motion(performance, part), sight)
+        motion = self._motion(performance, part)
+        # What is beyond all FAPs would be made up for by others: an upper lip would go up where
+        # the lower can go no farther down.
+        motion[..., 1] = np.clip(motion[..., 1], *self._farthest)
+        return gram + self._prior, -self._sight.onto(self.rows(motion), sight)
 
     def __call__(self, performance: Performance) -> FapFit:
         """The FAPs of every frame, lids as the performer's closures tell where they do, head and
@@ -131,11 +139,11 @@ class FapProgramme:
         )
 
     def _motion(self, performance: Performance, part: slice) -> Array:
-        return self.rows(performance.motion[part][:, self.rows.points] * self.settings.gain)
+        return performance.motion[part][:, self.rows.points] * self.settings.gain
 
     def _residual(self, performance: Performance, part: slice, found: Array) -> Array:
         shown = np.tensordot(found, self.fields, axes=1)
-        left = (self._motion(performance, part) - shown)[:, : len(self.rows.points)]
+        left = self._motion(performance, part) - shown[:, : len(self.rows.points)]
         along = (left * performance.unseen[part][:, None]).sum(axis=-1)
         return np.asarray(np.sqrt(((left**2).sum(axis=-1) - along**2).clip(0.0).mean(axis=1)))
 
@@ -236,8 +244,11 @@ def _spread(places: Array) -> float:
 
 
 def _close_lids(values: Array, performance: Performance) -> None:
-    """Whoever looks knows closures better than the margins' points: the upper lid does the rest."""
+    """Whoever looks knows closures better than the margins' points: the upper lid does the rest.
+    Eyes are opened wide together, and one that is wider than the other by itself is not believed."""
+    known = [performance.scalars[name] for name in _LIDS if name in performance.scalars]
+    stare = np.minimum(np.max(known, axis=0, initial=-np.inf), 0.0)
     for name, (upper, lower) in _LIDS.items():
         if name in performance.scalars:
-            shut = PER_UNIT * performance.scalars[name]
-            values[:, column(upper)] = shut - values[:, column(lower)]
+            shut = np.maximum(performance.scalars[name], stare)
+            values[:, column(upper)] = PER_UNIT * shut - values[:, column(lower)]
