@@ -245,7 +245,7 @@ def _spread(places: Array) -> float:
 
 def _close_lids(values: Array, performance: Performance) -> None:
     """Whoever looks knows closures better than the margins' points: the upper lid does the rest.
-    Eyes are opened wide together, and one that is wider than the other by itself is not believed."""
+    Eyes are opened wide together: one that is by itself is not believed."""
     known = [performance.scalars[name] for name in _LIDS if name in performance.scalars]
     stare = np.minimum(np.max(known, axis=0, initial=-np.inf), 0.0)
     for name, (upper, lower) in _LIDS.items():
