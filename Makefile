@@ -43,8 +43,9 @@ demo: env
 	$(BIN)/mien demo -o out/demo && \
 	echo "demo done in $$(( $$(date +%s) - begin )) s"
 
+# One test a core: threads of the mathematics would only wait for each other.
 test: env
-	@$(BIN)/pytest -n auto --dist worksteal
+	@OPENBLAS_NUM_THREADS=1 $(BIN)/pytest -n auto --dist worksteal
 
 check: env
 	@$(BIN)/ruff check .

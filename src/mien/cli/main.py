@@ -50,6 +50,9 @@ def run(arguments: Sequence[str] | None = None) -> int:
     """Entry point of ``mien``. Exit codes: 0, 1 (a plain error), 2 (usage), 130 (interrupted),
     143 (told to end)."""
     interruption.listen()
+    # A second thread gains little on products of this size and is waited for on a busy machine;
+    # with one, results do not depend on how many cores there are.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     options = _parser().parse_args(arguments)
     try:
         COMMANDS[options.command].run(options)
