@@ -188,3 +188,15 @@ def test_rectangles_become_lenses() -> None:
 def test_curves_of_another_shape_are_refused() -> None:
     with pytest.raises(FormatError, match="lack a sound 'neutral'"):
         curve_calibration(Performer(curves={"neutral": np.zeros((3, 3))}).curves)
+
+
+def test_a_second_look_is_kept_only_where_it_is_clearer(film: list[Picture]) -> None:
+    stepper = SnakeCapture()
+    seen = stepper.step(film[0])
+    assert seen is not None
+    assert stepper._look_again(seen, film[0]) is seen
+    unclear = replace(seen, contrast=0.5 * seen.contrast, lenses=seen.lenses + 9.0)
+    again = stepper._look_again(unclear, film[0])
+    assert again.recovered
+    assert np.allclose(again.lenses, seen.lenses)
+    assert stepper._look_again(unclear, GREY) is unclear

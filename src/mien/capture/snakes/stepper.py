@@ -43,6 +43,7 @@ Bools = NDArray[np.bool_]
 
 _EYES = np.array([ROW["eye_right"], ROW["eye_left"]])
 _LIPS = ROW["lips"]
+_UPPER_FACE = [ROW[name] for name in ("eye_right", "eye_left", "brow_right", "brow_left")]
 _FIRST_ROUNDS = 4
 """How often the first patch is moved until the eyes lie where eyes are."""
 _CORNER_WEIGHT = 6
@@ -51,6 +52,10 @@ _PUPILS_APART, _LIKELY = 1.03, (0.8, 1.2)
 """Distance of the pupils in distances of the eyes' middles, and how far a face may differ."""
 _FEWEST = 3
 """Features that must be found for a face to be there."""
+_SECOND_LOOKS, _CLEARER, _CLEAR = (6, 24, 96), 1.25, 1.6
+"""A first look may be a bad one (eyes shut, blur). So many frames after it the face is looked for
+as if it were new, and learnt anew where eyes and brows then stand out so much more; unless they
+stand out so much anyway."""
 _PATIENCE = 5
 """Frames without them after which the face is looked for anew."""
 
@@ -119,6 +124,7 @@ class SnakeCapture:
         self._skin: Array | None = None
         self._last: Seen | None = None
         self._missing = 0
+        self._looked: int | None = None
         self.appearance: Appearance | None = None
         self._rest = lifted(usual_features())
         if appearance is not None:
@@ -140,11 +146,30 @@ class SnakeCapture:
             self._last, self._missing = None, 0
             return None
         if self.appearance is None:
-            points = choose(seen.grey)
-            self._remember(Appearance(seen.lenses[:MOUTH], seen.grey, points))
-            seen = replace(seen, rigid=points)
+            self._looked = 0
+            seen = self._learn(seen)
+        elif self._looked is not None:
+            self._looked += 1
+            if self._looked in _SECOND_LOOKS and _clearness(seen) < _CLEAR:
+                seen = self._look_again(seen, image)
         self._last = seen
         return seen
+
+    def _learn(self, seen: Seen) -> Seen:
+        """Take what was seen for the performer at rest, and the usual for what was not."""
+        points = choose(seen.grey)
+        rest = np.where(seen.lost[:, None, None], usual_features(), seen.lenses[:MOUTH])
+        self._remember(Appearance(rest, seen.grey, points))
+        return replace(seen, rigid=points)
+
+    def _look_again(self, seen: Seen, image: Picture) -> Seen:
+        """``seen``, or what somebody sees who has never seen this face, where that is clearer."""
+        stranger = SnakeCapture(None, self._weigh, self._light)
+        stranger._skin = self._skin
+        fresh = stranger.step(image)
+        if fresh is None or _clearness(fresh) < _CLEARER * _clearness(seen):
+            return seen
+        return self._learn(replace(fresh, recovered=True))
 
     def _remember(self, appearance: Appearance) -> None:
         self.appearance = appearance
@@ -256,6 +281,11 @@ def _middles(seen: Seen) -> Array:
     if _LIKELY[0] < share < _LIKELY[1]:
         across = across * 0.5 * (1.0 + share)
     return np.stack([middle - across, middle + across])
+
+
+def _clearness(seen: Seen) -> float:
+    """How much eyes and brows stand out."""
+    return float(np.where(seen.lost, 0.0, seen.contrast)[_UPPER_FACE].sum())
 
 
 def _grey(patch: Picture) -> Picture:
