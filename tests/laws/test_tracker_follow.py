@@ -295,13 +295,16 @@ def test_meeting_mends_the_pose_at_rest(somebody):
 TILT = from_vector(np.radians([3.0, 2.0, 0.0]))
 
 
-def test_views_lie_apart_and_not_too_far():
+def test_views_lie_apart_not_too_far_and_act_little():
     yaw = np.radians(np.linspace(-60.0, 60.0, 121))
     turns = from_vector(np.stack([np.zeros(121), yaw, np.zeros(121)], axis=1))
-    chosen = spread_views(turns, np.eye(3))
+    acting = np.where(np.arange(121) % 5 == 0, 0.5, 0.0)
+    states = [State(t, np.zeros(3), np.full(2, a)) for t, a in zip(turns, acting, strict=True)]
+    chosen = spread_views(states, np.eye(3))
     assert len(chosen) == 12
     assert np.abs(np.degrees(yaw[chosen])).max() <= 38.0
     assert np.diff(chosen).min() >= 3
+    assert not acting[chosen].any()
 
 
 def test_doubt_is_relative_to_the_take():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol
 
@@ -35,6 +36,9 @@ VERTICES = np.array(KEPT)[ROWS]
 VIEWS = 12
 _FARTHEST = 38.0
 """Degrees from rest beyond which a view shows too little of the same skin."""
+_CALM = 0.75
+"""Share of a take's frames that may serve as views: strong expressions pass for shape, and a brow
+that is lowered in every bow of the head for one that juts out."""
 _POSE_SIGMA = (np.array([0.05, 0.02, 0.005]), 10.0)
 """Radians about x, y and z, and mm, by which landmarks may place the face at rest wrongly. Networks
 err alike to the left and to the right: of roll they know most, of pitch least."""
@@ -96,7 +100,7 @@ def meet(
     if not trust.meeting:
         return Meeting(somebody, state, crops[middle])
     states = _alone(somebody, points)
-    chosen = spread_views(np.array([s.rotation for s in states]), state.rotation)
+    chosen = spread_views(states, state.rotation)
     start = Tracker(somebody, [take(somebody, crops[middle], state)], state, trust)
     views = [View(crops[i], states[i], points[i]) for i in chosen.tolist()]
 
@@ -117,10 +121,13 @@ def meet(
     return Meeting(_excused(met, usual, state), state, crops[middle])
 
 
-def spread_views(rotations: Array, rest: Array) -> Index:
-    """Frames whose rotations (F, 3, 3) lie far from each other and from rest, but not too far."""
+def spread_views(states: Sequence[State], rest: Array) -> Index:
+    """Frames that lie far from each other and from the rotation ``rest`` (3, 3), but not too far,
+    and in which the face does not act much."""
+    rotations = np.array([state.rotation for state in states])
+    acting = np.array([np.linalg.norm(state.weights) for state in states])
     away = np.degrees(angle_between(rest, rotations))
-    near = np.flatnonzero(away < _FARTHEST)
+    near = np.flatnonzero((away < _FARTHEST) & (acting <= np.quantile(acting, _CALM)))
     gap = away[near]
     chosen: list[int] = []
     for _ in range(min(VIEWS, len(near))):

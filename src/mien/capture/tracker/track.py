@@ -41,7 +41,7 @@ SAMPLES = 1800
 EVERY, DOUBT = 15, 1.3
 """Every so many frames, and where looks agree so much less than usual, the landmarks' own pose is
 tried too."""
-KEY_APART, KEY_FROM, KEY_NEARER = 15.0, 18.0, 8.0
+KEY_APART, KEY_FROM, KEY_NEARER = 15.0, 28.0, 8.0
 """Degrees: between looks that are kept, from rest until another look may serve, and by which that
 one must be nearer."""
 SURE = 1.1
