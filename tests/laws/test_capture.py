@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from mien.capture.descent import descend, first_pose
 from mien.capture.headfit import (
     FRONTAL,
     FitSettings,
@@ -117,6 +118,52 @@ def test_the_kernel_sums_what_its_twin_lays_out(seed):
     np.testing.assert_allclose(normal, trusted @ np.swapaxes(flat, 1, 2), rtol=1e-9, atol=1e-9)
     wanted = -(trusted @ residual.reshape(3, -1, 1))[..., 0]
     np.testing.assert_allclose(right, wanted, rtol=1e-9, atol=1e-6)
+
+
+def first_pose_twin(neutral, rays):
+    """The first pose in array operations."""
+    middle = rays.mean(1)
+    lift = np.linalg.pinv(neutral - neutral.mean(0))
+    axes = np.einsum("cn,fnd->fdc", lift, rays - middle[:, None])
+    left, size, right = np.linalg.svd(axes, full_matrices=False)
+    rows = left @ right
+    rotation = np.concatenate([rows, np.cross(rows[:, :1], rows[:, 1:])], 1)
+    depth = 1.0 / size.mean(1)
+    place = np.concatenate([middle * depth[:, None], depth[:, None]], 1)
+    return rotation, place - rotation @ neutral.mean(0)
+
+
+def step_twin(normal, right, weights, precision, most):
+    """One step under bounds in array operations."""
+    inside = np.arange(6, normal.shape[-1])
+    normal, right = normal.copy(), right.copy()
+    right[:, 6:] -= precision * weights
+    pressed = (weights <= 0.0) & (right[:, 6:] < 0.0) | (weights >= most) & (right[:, 6:] > 0.0)
+    normal[:, inside, inside] += precision + 1e9 * pressed
+    return np.linalg.solve(normal, right[..., None])[..., 0]
+
+
+@settings(max_examples=10, deadline=None)
+@given(st.integers(0, 10_000))
+def test_the_descent_goes_where_its_twin_goes(seed):
+    random = np.random.default_rng(seed)
+    face = model(seed)
+    turn = from_vector(random.normal(size=(3, 3)) * 0.2) @ FRONTAL
+    shift = np.array([0.0, 0.0, 600.0]) + random.normal(size=(3, 3)) * 20.0
+    weights = random.choice([0.0, 0.4, 1.2], (3, 3))
+    rays = project(turn, shift, face.neutral + random.normal(size=face.neutral.shape))
+    for found, wanted in zip(
+        first_pose(face.neutral, rays), first_pose_twin(face.neutral, rays), strict=True
+    ):
+        np.testing.assert_allclose(found, wanted, rtol=1e-9, atol=1e-9)
+    arrays = face.neutral, face.by_point, rays
+    step = step_twin(*accumulate(*arrays, turn, shift, weights, 1.0, 2.5), weights, 10.0, 1.2)
+    wanted = from_vector(step[:, :3]) @ turn, shift + step[:, 3:6]
+    pose, found = (turn.copy(), shift.copy()), weights.copy()
+    descend(*arrays, *pose, found, (1.0, 2.5), (10.0, 1.2), 1)
+    np.testing.assert_allclose(pose[0], wanted[0], atol=1e-9)
+    np.testing.assert_allclose(pose[1], wanted[1], atol=1e-6)
+    np.testing.assert_allclose(found, np.clip(weights + step[:, 6:], 0.0, 1.2), atol=1e-9)
 
 
 @settings(max_examples=20, deadline=None)

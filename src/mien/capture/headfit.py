@@ -19,9 +19,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.capture.normal_equations import accumulate
-from mien.numeric.positive import solve_positive
-from mien.numeric.rotation import from_vector
+from mien.capture.descent import descend, first_pose
 
 Array = NDArray[np.float64]
 
@@ -90,19 +88,18 @@ def fit_heads(model: HeadModel, rays: Array, settings: FitSettings | None = None
 
 def _fit(model: HeadModel, rays: Array, settings: FitSettings) -> tuple[Array, Array, Array]:
     """The pose of the rigid points first, then pose and weights together."""
-    rotation, translation = _first_pose(model.neutral[model.rigid], rays[:, model.rigid])
-    nothing = np.zeros((0, len(model.rigid), 3))
-    rigid = HeadModel(model.neutral[model.rigid], nothing, model.rigid)
-    weights = np.zeros((len(rays), 0))
-    for _ in range(_RIGID_ROUNDS):
-        rotation, translation, weights = _step(
-            rigid, rays[:, model.rigid], rotation, translation, weights, settings
-        )
+    trust = settings.residual_sigma, settings.knee
+    prior = settings.weight_sigma**-2.0, settings.weight_max
+    neutral, rays = np.ascontiguousarray(model.neutral), np.ascontiguousarray(rays)
+    rigid, seen = neutral[model.rigid], np.ascontiguousarray(rays[:, model.rigid])
+    rotation, translation = pose = first_pose(rigid, seen)
+    stiff, none = np.zeros((len(rigid), 3, 0)), np.zeros((len(rays), 0))
     weights = np.zeros((len(rays), len(model.shapes)))
-    for _ in range(settings.rounds):
-        rotation, translation, weights = _step(
-            model, rays, rotation, translation, weights, settings
-        )
+    try:
+        descend(rigid, stiff, seen, *pose, none, trust, prior, _RIGID_ROUNDS)
+        descend(neutral, model.by_point, rays, *pose, weights, trust, prior, settings.rounds)
+    except np.linalg.LinAlgError as error:
+        raise ArithmeticError("a frame's points tell no pose") from error
     return rotation, translation, weights
 
 
@@ -114,54 +111,6 @@ def motion_from_neutral(neutral: Array, rays: Array, fit: HeadFit) -> Array:
     posed = neutral @ np.swapaxes(fit.rotation, 1, 2) + fit.translation[:, None]
     seen = rays * posed[..., 2:] - posed[..., :2]
     return np.asarray(seen @ fit.rotation[:, :2])
-
-
-def _first_pose(neutral: Array, rays: Array) -> tuple[Array, Array]:
-    """Scaled-orthographic pose in closed form (DeMenthon and Davis 1995, first iteration)."""
-    centre = neutral.mean(0)
-    middle = rays.mean(1)
-    axes = np.einsum("cn,fnd->fdc", np.linalg.pinv(neutral - centre), rays - middle[:, None])
-    left, size, right = np.linalg.svd(axes, full_matrices=False)
-    rows = left @ right
-    rotation = np.concatenate([rows, np.cross(rows[:, :1], rows[:, 1:])], 1)
-    depth = 1.0 / size.mean(1)
-    place = np.concatenate([middle * depth[:, None], depth[:, None]], 1)
-    return rotation, place - rotation @ centre
-
-
-def _step(
-    model: HeadModel,
-    rays: Array,
-    rotation: Array,
-    translation: Array,
-    weights: Array,
-    settings: FitSettings,
-) -> tuple[Array, Array, Array]:
-    """One Gauss-Newton step on pose and weights; weights that press against a bound rest there."""
-    normal, right = accumulate(
-        model.neutral,
-        model.by_point,
-        rays,
-        rotation,
-        translation,
-        weights,
-        settings.residual_sigma,
-        settings.knee,
-    )
-    prior = 1.0 / settings.weight_sigma**2
-    diagonal = np.arange(6, normal.shape[-1])
-    normal[:, diagonal, diagonal] += prior
-    right[:, 6:] -= prior * weights
-    pressed = ((weights <= 0.0) & (right[:, 6:] < 0.0)) | (
-        (weights >= settings.weight_max) & (right[:, 6:] > 0.0)
-    )
-    normal[:, diagonal, diagonal] += 1e9 * pressed
-    step = solve_positive(normal, right)
-    return (
-        from_vector(step[:, :3]) @ rotation,
-        translation + step[:, 3:6],
-        np.clip(weights + step[:, 6:], 0.0, settings.weight_max),
-    )
 
 
 def residuals(model: HeadModel, rays: Array, fit: HeadFit) -> Array:

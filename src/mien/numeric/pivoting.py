@@ -16,6 +16,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from mien.numeric.positive import eliminate
+
 Array = NDArray[np.float64]
 Sides = NDArray[np.int8]
 
@@ -86,12 +88,7 @@ def _solve_free(
     for row in range(size):
         for column in range(size):
             among[row, column] = hessian[free[row], free[column]]
-    factor = np.linalg.cholesky(among)
-    for row in range(size):
-        right[row] = (right[row] - np.dot(factor[row, :row], right[:row])) / factor[row, row]
-    for row in range(size - 1, -1, -1):
-        right[row] /= factor[row, row]
-        right[:row] -= right[row] * factor[row, :row]
+    eliminate(among, right)
     for row in range(size):
         x[free[row]] = right[row]
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 from scipy.linalg.lapack import dposv
 
@@ -22,6 +23,18 @@ def solve_positive(matrices: Array, right: Array) -> Array:
     for row, matrix in enumerate(matrices):
         solutions[row] = _solved(matrix, right[row])
     return solutions
+
+
+@njit(cache=True, nogil=True)
+def eliminate(matrix: Array, right: Array) -> None:
+    """Put the solution of one ``matrix`` (W, W) in the place of ``right`` (W,), for other loops.
+    Raises LinAlgError where it is not positive definite."""
+    factor = np.linalg.cholesky(matrix)
+    for row in range(len(right)):
+        right[row] = (right[row] - np.dot(factor[row, :row], right[:row])) / factor[row, row]
+    for row in range(len(right) - 1, -1, -1):
+        right[row] /= factor[row, row]
+        right[:row] -= right[row] * factor[row, :row]
 
 
 def _solved(matrix: Array, right: Array) -> Array:

@@ -20,11 +20,11 @@ def cross_matrix(vector: Array) -> Array:
 def from_vector(vector: Array) -> Array:
     """Rotation matrices (..., 3, 3) of rotation vectors (..., 3) in radians (Rodrigues)."""
     vector = np.asarray(vector, dtype=float)
-    return _rodrigues(np.ascontiguousarray(vector).reshape(-1, 3)).reshape(*vector.shape, 3)
+    return rodrigues(np.ascontiguousarray(vector).reshape(-1, 3)).reshape(*vector.shape, 3)
 
 
 @njit(cache=True, nogil=True)
-def _rodrigues(vectors: Array) -> Array:
+def rodrigues(vectors: Array) -> Array:
     """(N, 3, 3) of (N, 3). Faces turn a few times a frame, one at a time: a loop costs a tenth of
     what many small array operations would."""
     matrices = np.empty((len(vectors), 3, 3))
