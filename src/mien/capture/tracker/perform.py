@@ -25,17 +25,18 @@ from mien.performance.performance import Performance
 
 Array = NDArray[np.float64]
 
-LANDMARKS = by_region(lips=1.15, lids=0.3, brows=0.9, cheeks=0.55, nose=0.15, chin=0.4, corners=0.3)
-SKIN = by_region(lips=0.0, lids=0.5, brows=0.5, cheeks=0.4, nose=1.3, chin=0.8, corners=0.5)
+LANDMARKS = by_region(lips=1.15, lids=0.3, brows=1.2, cheeks=0.55, nose=0.15, chin=0.4, corners=0.3)
+SKIN = by_region(lips=0.0, lids=0.5, brows=0.6, cheeks=0.4, nose=1.3, chin=0.8, corners=0.5)
 """(P,) what a point's motion owes to its landmark, and to the tracked surface. Lips have edges that
 the network knows; nose and chin are skin, of which it tells little (see
 docs/decisions/tracker.md)."""
-_LIPS, _MOUTH = (
-    by_region(lips=1.0, lids=0.0, brows=0.0, cheeks=0.0, nose=0.0, chin=0.0, corners=0.0).astype(
-        bool
-    ),
-    0.4,
+_NONE = dict.fromkeys(("lips", "lids", "brows", "cheeks", "nose", "chin", "corners"), 0.0)
+_LIPS, _BROWS, _CORNERS = (
+    by_region(**{**_NONE, region: 1.0}).astype(bool) for region in ("lips", "brows", "corners")
 )
+"""(P,) points of a region. Brows move against the corners of the eyes, which are bone: in a film
+of real frowns the network's error at a bowed head carried both up by 4 mm, and the frown away."""
+_MOUTH = 0.4
 """Skin says where the mouth is, and only landmarks what its lips do: of lips that are pressed, the
 skin around tells that they are open."""
 _DOUBT, _STEEP = 1.6, 4
@@ -74,6 +75,7 @@ def perform(
     seen = motion_from_neutral(neutral, rays(track, known.focal)[~track.lost], fit) - offset
     skin = np.einsum("fk,pkx->fpx", fit.weights, _point_shapes(met))
     points = seen[:, POINT_ROWS]
+    points[:, _BROWS] -= points[:, _CORNERS].mean(axis=1, keepdims=True)
     motion = LANDMARKS[:, None] * points + SKIN[:, None] * skin
     lips = skin[:, _LIPS] - points[:, _LIPS]
     motion[:, _LIPS] += _MOUTH * lips.mean(axis=1, keepdims=True)
