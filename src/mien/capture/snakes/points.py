@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.capture.snakes.curves.features import MOUTH, ROW
+from mien.capture.snakes.curves.features import MOUTH, ROW, usual_features, usual_lenses
 from mien.capture.snakes.curves.lens import LOWER, UPPER
+from mien.capture.snakes.head.relief import lifted
 from mien.face.character import Character
 from mien.numeric.bezier import bernstein
 
@@ -46,24 +49,47 @@ _PLACES: dict[str, tuple[int, str, float]] = {
 POINTS = tuple(_PLACES)
 
 
-def _weights() -> Array:
-    rows = []
-    for lens, edge, at in _PLACES.values():
-        row = np.zeros((MOUTH + 1, 6))
-        share = bernstein(np.array([at]))[0]
-        for control, used in ((UPPER, edge != DOWN), (LOWER, edge != UP)):
-            row[lens, control] += used * share / (2.0 if edge == BOTH else 1.0)
-        rows.append(row)
-    return np.stack(rows)
+_LENS = np.array([lens for lens, _, _ in _PLACES.values()])
+_EDGE = np.array([[edge != DOWN, edge != UP] for _, edge, _ in _PLACES.values()], dtype=float)
+_EDGE /= _EDGE.sum(axis=1, keepdims=True)
+"""(P, 2) what the upper and the lower curve count."""
+_AT = np.array([at for _, _, at in _PLACES.values()])
+_FARTHEST = 0.25
+"""Of the parameter by which a turn may move a point along its curve."""
 
 
-_WEIGHTS = _weights()
-"""(P, L + 1, 6): points are linear in the lenses."""
+def places(lenses: Array, turn: Array | None = None) -> Array:
+    """(P, 2) feature points on lenses (L + 1, 6, 2), in their units.
+
+    A curve is known across and hardly along. Where along it a point lies, the head's ``turn``
+    (3, 3, x right, y down, z away) says: of a mouth that is seen from the side, the far half is
+    short.
+    """
+    share = bernstein(_AT if turn is None else _AT + _slid(turn))
+    curves = lenses[_LENS][:, np.stack([UPPER, LOWER])]
+    return np.asarray(np.einsum("pc,pe,pecx->px", share, _EDGE, curves))
 
 
-def places(lenses: Array) -> Array:
-    """(..., P, 2) feature points on lenses (..., L + 1, 6, 2), in their units."""
-    return np.asarray(np.einsum("plc,...lcx->...px", _WEIGHTS, lenses))
+def _slid(turn: Array) -> Array:
+    """(P,) by how much of its chord each point of a resting face slides along it."""
+    points, ends = _resting()
+    return np.clip(
+        _shares(points, ends, turn) - _shares(points, ends, np.eye(3)), -_FARTHEST, _FARTHEST
+    )
+
+
+def _shares(points: Array, ends: Array, turn: Array) -> Array:
+    """(P,) shares of the chord between ``ends`` (P, 2, 3) at which ``points`` (P, 3) are seen."""
+    seen, (first, last) = points @ turn[:2].T, np.moveaxis(ends @ turn[:2].T, 1, 0)
+    chord = last - first
+    return np.asarray(((seen - first) * chord).sum(axis=1) / (chord**2).sum(axis=1))
+
+
+@cache
+def _resting() -> tuple[Array, Array]:
+    """(P, 3) the points and (P, 2, 3) the ends of their curves on a usual face, patch units."""
+    usual = np.concatenate([usual_features(), usual_lenses()["mouth"][None]])
+    return lifted(places(usual)), lifted(usual[_LENS, :2])
 
 
 def depths(generic: Character) -> Array:

@@ -109,7 +109,7 @@ def calibrate(
     ``focal`` are as for the capture."""
     focal = focal or USUAL_FOCAL * track.size[0]
     seen, rest = np.flatnonzero(~track.lost), resting(track, neutral)
-    flat = np.median(places(track.lenses[rest]), axis=0) * np.array([MM, -MM])
+    flat = places(np.median(track.lenses[rest], axis=0)) * np.array([MM, -MM])
     model = np.column_stack([flat, depth])
     head = heads(track, focal)
     offset = np.median(_motion(track, model, head, focal)[rest], axis=0)
@@ -131,8 +131,9 @@ def heads(track: CurveTrack, focal: float) -> HeadFit:
     depth = focal * MM * track.scale
     sight = (track.centre - np.array(track.size) / 2.0) / focal
     ray = np.concatenate([sight, np.ones((len(track), 1))], axis=1)
-    place = ray * depth[:, None] - EYES_DEPTH * np.array([0.0, 0.0, -1.0])
-    return HeadFit(_towards(ray) @ track.rotation, place, np.zeros((len(track), 0)))
+    turn = _towards(ray) @ track.rotation
+    place = ray * depth[:, None] - EYES_DEPTH * turn[:, :, 2]
+    return HeadFit(turn, place, np.zeros((len(track), 0)))
 
 
 def perform(track: CurveTrack, known: Calibration, source: str) -> Performance:

@@ -40,6 +40,8 @@ class CurveTrack:
     """(F,) 0..1"""
     irises: Array
     """(F, 2, 2) of the left and the right eye, patch units from the middle of its corners."""
+    apertures: Array
+    """(F, 2) how tall the left and the right eye stand open in the frame alone, patch units."""
     missed: Bools
     """(F, L) features that were not found."""
     lost: Bools
@@ -52,9 +54,11 @@ class CurveTrack:
 
     @property
     def opening(self) -> Array:
-        """(F, 2) mean height of the left and right eye, patch units."""
+        """(F, 2) mean height of the left and right eye, patch units: of the curves, or of what is
+        eye in the frame where that is less, since a lid may fall faster than its curve."""
         eyes = self.lenses[:, _EYES]
-        return np.asarray((lower_curve(eyes) - upper_curve(eyes))[..., 1].mean(axis=-1))
+        curves = (lower_curve(eyes) - upper_curve(eyes))[..., 1].mean(axis=-1)
+        return np.asarray(np.minimum(curves, self.apertures))
 
 
 class Gathering:
@@ -95,6 +99,7 @@ class _Row(NamedTuple):
     scale: float
     tongue: float
     irises: Array
+    apertures: Array
     missed: Bools
     lost: bool
 
@@ -107,6 +112,7 @@ _NOTHING = _Row(
     1.0,
     0.0,
     np.zeros((2, 2)),
+    np.zeros(2),
     np.ones(MOUTH, dtype=bool),
     True,
 )
@@ -118,12 +124,13 @@ def _row(seen: Seen) -> _Row:
     frame_from_patch[:2, :2] = placement.matrix[:, :2].T / placement.scale
     return _Row(
         seen.lenses,
-        placement.to_frame(places(seen.lenses)),
+        placement.to_frame(places(seen.lenses, seen.pose.rotation)),
         frame_from_patch @ seen.pose.rotation @ FRONTAL,
         placement.to_frame(np.zeros(2)),
         placement.scale,
         seen.opening.tongue,
         seen.irises[::-1] - seen.lenses[_EYES, :2].mean(axis=1),
+        seen.apertures[::-1],
         seen.lost,
         False,
     )
