@@ -8,6 +8,7 @@ import pytest
 from numpy.typing import NDArray
 
 from mien.capture import CAPTURES, CaptureSettings
+from mien.capture.snakes.aperture import aperture, tallest_runs
 from mien.capture.snakes.curves.features import ROW, usual_features
 from mien.capture.snakes.curves.fields import look_at
 from mien.capture.snakes.curves.lens import outline
@@ -78,3 +79,18 @@ def test_half_a_mouth_is_no_mouth(width: float, lost: bool) -> None:
     corner, field = np.array([-66.0, 80.0]), np.zeros((109, 132), np.float32)
     cv2.fillPoly(field, [np.rint(outline(lens) - corner).astype(np.int32)], 1.0)
     assert settle("lip", field, corner, Expected(rest, lens, True, False)).lost == lost
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_the_tallest_runs_equal_their_plain_twin(seed: int) -> None:
+    field = np.random.default_rng(seed).random((40, 28)).astype(np.float32)
+    rows = ["".join("x" if pixel > 0.5 else " " for pixel in column) for column in field.T]
+    assert tallest_runs(field).tolist() == [max(map(len, row.split()), default=0) for row in rows]
+
+
+@pytest.mark.parametrize("tall", [4, 12, 20])
+def test_an_eye_is_as_tall_as_what_is_eye_whatever_the_brow_above(tall: int) -> None:
+    field = np.zeros((40, 68), np.float32)
+    field[:3] = 1.0
+    field[35 - tall : 35] = 1.0
+    assert aperture(field) == pytest.approx(0.9 * tall)

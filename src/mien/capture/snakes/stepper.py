@@ -9,6 +9,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from mien.capture.snakes.aperture import aperture
 from mien.capture.snakes.colour.pigments import pigments
 from mien.capture.snakes.colour.skin import skin_colour
 from mien.capture.snakes.colour.transform import Weights, window
@@ -89,6 +90,8 @@ class Seen:
     opening: Opening
     irises: Array
     """(2, 2) middles of the right and the left iris, patch units."""
+    apertures: Array
+    """(2,) how tall the right and the left eye stand open in this frame alone, patch units."""
     look: Look
     weights: Mapping[str, Weights]
     grey: Picture
@@ -233,10 +236,13 @@ class SnakeCapture:
         weights = self._weigh(look, start.lenses)
         rest, lenses = start.pose(self._rest), start.lenses.copy()
         lost, contrast = np.zeros(MOUTH, dtype=bool), np.zeros(MOUTH)
+        apertures = []
         mouth = pigments(look.small, look.gains, window(FEATURES[_LIPS].box, COARSE), COARSE)
         lips = lip_colour(lenses[_LIPS], mouth) if self._last is None else self._last.lips
         for row, feature in enumerate(FEATURES):
             field, corner = field_of(look, feature, weights), corner_of(feature)
+            if feature.group == "eye":
+                apertures.append(aperture(field))
             if feature.group == "brow":
                 eye = lenses[ROW[feature.name.replace("brow", "eye")]]
                 field = brow_field(field, corner, rest[row], eye)
@@ -264,6 +270,7 @@ class SnakeCapture:
             contrast,
             opening,
             find_irises(look, lenses[_EYES]),
+            np.array(apertures),
             look,
             weights,
             _grey(patch),
