@@ -43,7 +43,7 @@ _DOUBT, _STEEP = 1.6, 4
 """Times the usual disagreement of looks at which half the confidence is gone, and how fast."""
 _LEAST = 0.1
 """Disagreement that everybody has."""
-_PUFF, _FLAT, _ROUND = "cheek_puff", 0.2, 0.4
+_PUFF, _FLAT, _ROUND = "cheek_puff", 0.2, 0.35
 """Weights from which cheeks count as blown up, and fully so."""
 _PARTED = 3.0
 """mm between lips through which all air is gone."""
