@@ -95,11 +95,11 @@ def lip_colour(outline: Array, seen: Pigments) -> LipColour:
 def with_inside(field: Field, outline: Array, seen: Pigments, lips: LipColour) -> Field:
     """``field`` of the lips, of the same pixels as ``seen``, with the open mouth inside their last
     ``outline`` (6, 2) filled: a wide mouth has a thin ring for lips. A moustache is as dark as a
-    mouth, so under one it must not spread."""
+    mouth, and curves that lie on one would stay there: under one nothing is filled."""
+    if moustache(outline, seen):
+        return field
     dark, teeth = inside_masks(seen, lips)
-    near = filled(outline, seen)
-    if not moustache(outline, seen):
-        near = np.asarray(cv2.dilate(near, _GROWN), dtype=np.uint8)
+    near = np.asarray(cv2.dilate(filled(outline, seen), _GROWN), dtype=np.uint8)
     return np.maximum(field, ((dark | teeth) & near).astype(np.float32))
 
 
@@ -230,9 +230,16 @@ def hull_edges(mask: Mask) -> tuple[Array, Array]:
                 size -= 1
             chain_x[size], chain_y[size] = x, edge
             size += 1
-        at = np.linspace(chain_x[0], chain_x[size - 1], 17)
-        edges[side, :, 0] = at
-        edges[side, :, 1] = np.interp(at, chain_x[:size], chain_y[:size])
+        link = 0
+        for n in range(17):
+            x = chain_x[0] + (chain_x[size - 1] - chain_x[0]) * n / 16.0
+            while link < size - 2 and chain_x[link + 1] < x:
+                link += 1
+            following = min(link + 1, size - 1)
+            wide = max(chain_x[following] - chain_x[link], 1e-9)
+            rise = chain_y[following] - chain_y[link]
+            edges[side, n, 0] = x
+            edges[side, n, 1] = chain_y[link] + rise * (x - chain_x[link]) / wide
     return edges[0], edges[1]
 
 

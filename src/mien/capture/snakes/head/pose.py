@@ -10,7 +10,6 @@ Near enough for where to look for features; the performance's own pose is perspe
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numba import njit
@@ -65,12 +64,13 @@ def fit_pose(rest: Array, seen: Array, start: Pose) -> Pose:
 def _fit(
     rest: Array, seen: Array, rotation: Array, scale: float, shift: Array
 ) -> tuple[Array, float, Array]:
+    # Loops alone: what NumPy does for a kernel takes numba seconds to compile.
     turn, move, size = rotation.copy(), shift.copy(), scale
-    row, column = np.zeros(6), np.zeros(6)
+    row, column, right = np.zeros(6), np.zeros(6), np.zeros(6)
     row[4], column[5] = 1.0, 1.0
-    total = np.zeros(3)
+    normal, total = np.zeros((6, 6)), np.zeros(3)
     for _ in range(_ROUNDS):
-        normal, right = np.zeros((6, 6)), np.zeros(6)
+        normal[:], right[:] = 0.0, 0.0
         for n in range(len(rest)):
             x = turn[0, 0] * rest[n, 0] + turn[0, 1] * rest[n, 1] + turn[0, 2] * rest[n, 2]
             y = turn[1, 0] * rest[n, 0] + turn[1, 1] * rest[n, 1] + turn[1, 2] * rest[n, 2]
@@ -87,25 +87,43 @@ def _fit(
         for i in range(2):
             normal[i, i] += _STIFFNESS
             right[i] -= _STIFFNESS * total[i]
-        step = np.linalg.solve(normal, right)
-        total += step[:3]
-        turn = _rotation(step[:3]) @ turn
-        size += step[3]
-        move += step[4:]
+        _solve(normal, right)
+        _turn(turn, right)
+        for i in range(3):
+            total[i] += right[i]
+        size += right[3]
+        move[0] += right[4]
+        move[1] += right[5]
     return turn, size, move
 
 
 @njit(cache=True, nogil=True)
-def _rotation(vector: NDArray[np.floating[Any]]) -> Array:
-    """Rodrigues."""
-    angle = max(np.sqrt((vector**2).sum()), 1e-12)
-    x, y, z = vector / angle
+def _solve(matrix: Array, right: Array) -> None:
+    """Put the solution in the place of ``right``; ``matrix`` is positive definite and is used
+    up (Gauss)."""
+    count = len(right)
+    for i in range(count):
+        for j in range(i + 1, count):
+            share = matrix[j, i] / matrix[i, i]
+            for k in range(i, count):
+                matrix[j, k] -= share * matrix[i, k]
+            right[j] -= share * right[i]
+    for i in range(count - 1, -1, -1):
+        for k in range(i + 1, count):
+            right[i] -= matrix[i, k] * right[k]
+        right[i] /= matrix[i, i]
+
+
+@njit(cache=True, nogil=True)
+def _turn(matrix: Array, vector: Array) -> None:
+    """Turn the columns of ``matrix`` (3, 3) by the rotation vector in the first three numbers of
+    ``vector`` (Rodrigues)."""
+    angle = max(np.sqrt(vector[0] ** 2 + vector[1] ** 2 + vector[2] ** 2), 1e-12)
+    x, y, z = vector[0] / angle, vector[1] / angle, vector[2] / angle
     c, s = np.cos(angle), np.sin(angle)
-    d = 1.0 - c
-    return np.array(
-        [
-            [c + x * x * d, x * y * d - z * s, x * z * d + y * s],
-            [y * x * d + z * s, c + y * y * d, y * z * d - x * s],
-            [z * x * d - y * s, z * y * d + x * s, c + z * z * d],
-        ]
-    )
+    for k in range(3):
+        a, b, d = matrix[0, k], matrix[1, k], matrix[2, k]
+        along = (1.0 - c) * (x * a + y * b + z * d)
+        matrix[0, k] = c * a + s * (y * d - z * b) + along * x
+        matrix[1, k] = c * b + s * (z * a - x * d) + along * y
+        matrix[2, k] = c * d + s * (x * b - y * a) + along * z
