@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from typing import Protocol
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from mien.errors import InputError
@@ -175,11 +176,26 @@ class JointMapper:
 
     def _residual(self, motion: Array, unseen: Array, weights: Array) -> Array:
         """(F,) mm, root mean square over the points of what was seen and not expressed."""
-        count = len(self.rows.points)
-        shown = weights @ self._fields.reshape(len(self._fields), -1)
-        left = (motion - shown.reshape(motion.shape))[:, :count]
-        along = (left * unseen[:, None]).sum(axis=-1)
-        return np.asarray(np.sqrt(((left**2).sum(axis=-1) - along**2).clip(0.0).mean(axis=1)))
+        shown = (weights @ self._fields.reshape(len(self._fields), -1)).reshape(motion.shape)
+        return _unexpressed(motion, shown, unseen, len(self.rows.points))
+
+
+@njit(cache=True, nogil=True)
+def _unexpressed(motion: Array, shown: Array, unseen: Array, points: int) -> Array:
+    """(F,) root mean square over the first ``points`` of ``motion - shown`` (F, Q, 3), without
+    what lies along ``unseen`` (F, 3)."""
+    left = np.empty(len(motion))
+    for f in range(len(motion)):
+        total = 0.0
+        for q in range(points):
+            square, along = 0.0, 0.0
+            for x in range(3):
+                miss = motion[f, q, x] - shown[f, q, x]
+                square += miss * miss
+                along += miss * unseen[f, x]
+            total += max(square - along * along, 0.0)
+        left[f] = np.sqrt(total / points)
+    return left
 
 
 def head_on_neck(performance: Performance, face: Face) -> tuple[Array, Array]:

@@ -11,6 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from mien.face.character import Character
@@ -43,33 +44,57 @@ class Lids:
     widens: NDArray[np.bool_]
     narrows: NDArray[np.bool_]
     """(2, W) pieces about an eye, its blink apart, that open or shut it."""
-    _others: Array = field(init=False, repr=False)
-    """(W,) 0 for blinks, 1 for all else."""
-    _widening: Array = field(init=False, repr=False)
-    """(W, 2) mm by which what widens each eye opens it."""
-    _shuts: Array = field(init=False, repr=False)
-    """(2,) mm by which each blink shuts its eye."""
+    _blinks: NDArray[np.bool_] = field(init=False, repr=False)
+    """(W,) pieces that are a blink."""
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "_others", 1.0 - self.blink.any(axis=0))
-        object.__setattr__(self, "_widening", (self.effect * self.widens).T)
-        object.__setattr__(self, "_shuts", -(self.effect * self.blink).sum(axis=1))
+        object.__setattr__(self, "_blinks", self.blink.any(axis=0))
 
     def mix(self, weights: Array, closure: Array) -> Array:
         """Weights (F, W) with the blinks set so that each eye is open by 1 - closure (F, 2) of
         its neutral opening (a negative closure is a stare): never shut further than shut, never
         opened by a negative blink."""
-        weights = weights * self._others
-        wanted = (1.0 - np.minimum(closure, 1.0)) * self.opening
-        opened = self.opening + weights @ self.effect.T
-        excess = np.maximum(opened - wanted, 0.0)
-        widened = weights @ self._widening
-        back = np.minimum(excess / np.maximum(widened, _LITTLE), 1.0)
-        shut = np.minimum(excess / np.maximum(opened, _LITTLE), 1.0)
-        weights = weights * (1.0 - back @ self.widens - shut @ self.narrows)
-        missing = self.opening + weights @ self.effect.T - wanted
-        level = np.minimum(np.maximum(missing / self._shuts, 0.0), _MOST)
-        return np.asarray(weights + level @ self.blink)
+        mixed = np.where(self._blinks, 0.0, weights)
+        _mix(mixed, closure, self.opening, self.effect, self.blink, self.widens, self.narrows)
+        return mixed
+
+
+@njit(cache=True, nogil=True)
+def _mix(
+    weights: Array,
+    closure: Array,
+    opening: Array,
+    effect: Array,
+    blink: NDArray[np.bool_],
+    widens: NDArray[np.bool_],
+    narrows: NDArray[np.bool_],
+) -> None:
+    """Mix the lids into ``weights`` (F, W), whose blinks are at 0; fields as of ``Lids``."""
+    pieces = range(weights.shape[1])
+    wanted, back, shut, level = np.empty((4, 2))
+    for f in range(len(weights)):
+        for eye in range(2):
+            wanted[eye] = (1.0 - min(closure[f, eye], 1.0)) * opening[eye]
+            opened, widened = opening[eye], 0.0
+            for w in pieces:
+                opened += weights[f, w] * effect[eye, w]
+                widened += weights[f, w] * effect[eye, w] * widens[eye, w]
+            excess = max(opened - wanted[eye], 0.0)
+            back[eye] = min(excess / max(widened, _LITTLE), 1.0)
+            shut[eye] = min(excess / max(opened, _LITTLE), 1.0)
+        for w in pieces:
+            kept = 1.0
+            for eye in range(2):
+                kept -= back[eye] * widens[eye, w] + shut[eye] * narrows[eye, w]
+            weights[f, w] *= kept
+        for eye in range(2):
+            missing, shuts = opening[eye] - wanted[eye], 0.0
+            for w in pieces:
+                missing += weights[f, w] * effect[eye, w]
+                shuts -= effect[eye, w] * blink[eye, w]
+            level[eye] = min(max(missing / shuts, 0.0), _MOST)
+        for w in pieces:
+            weights[f, w] += level[0] * blink[0, w] + level[1] * blink[1, w]
 
 
 def find_lids(character: Character, pieces: Pieces) -> Lids | None:

@@ -12,6 +12,7 @@ view. (Spans may be so sure that what opens the lips would hardly have to pay.)
 from __future__ import annotations
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from mien.face.pieces import Pieces
@@ -84,16 +85,23 @@ class Programme:
         return np.asarray(motion @ sight + depth * unseen[:, None])
 
 
+@njit(cache=True, nogil=True)
 def _add_to_diagonals(matrices: Array, amount: Array) -> None:
     """Add ``amount`` (U,) to the diagonals of ``matrices`` (U, W, W), in place."""
-    np.einsum("uii->ui", matrices)[:] += amount[:, None]
+    for u in range(len(matrices)):
+        for i in range(matrices.shape[1]):
+            matrices[u, i, i] += amount[u]
 
 
+@njit(cache=True, nogil=True)
 def _belief(unseen: Array) -> Array:
     """(F,) how far the rows of a frame count, from the turn between the camera and the face."""
-    length = np.linalg.norm(unseen, axis=1)
-    turn = np.arccos(np.clip(np.abs(unseen[:, 2]), 0.0, 1.0))
-    return np.asarray(np.where(length > 0, 1.0 / (1.0 + (turn / _TURN) ** 2), 1.0))
+    belief = np.ones(len(unseen))
+    for f in range(len(unseen)):
+        if unseen[f].any():
+            turn = np.arccos(min(abs(unseen[f, 2]), 1.0))
+            belief[f] = 1.0 / (1.0 + (turn / _TURN) ** 2)
+    return belief
 
 
 def _pull_together(key: NDArray[np.intp], group: NDArray[np.intp]) -> Array:
