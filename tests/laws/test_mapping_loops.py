@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from mien.mapping.joint import _unexpressed
 from mien.mapping.lids import Lids
 from mien.mapping.programme import _add_to_diagonals, _belief
+from mien.mapping.sight import Sight, seen
 
 SEEDS = st.integers(0, 10_000)
 
@@ -67,3 +68,16 @@ def test_what_is_left_and_believed_is_what_the_twins_have(seed: int) -> None:
     wanted = matrices + np.array([1.0, 2.0])[:, None, None] * np.eye(4)
     _add_to_diagonals(matrices, np.array([1.0, 2.0]))
     np.testing.assert_allclose(matrices, wanted)
+
+
+@settings(max_examples=20, deadline=None)
+@given(SEEDS)
+def test_products_of_what_is_seen_are_those_of_projected_motions(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    motions, precision = random.normal(size=(4, 6, 3)), random.uniform(0, 3, (6, 3))
+    unseen = random.normal(size=(3, 3))
+    unseen /= np.linalg.norm(unseen, axis=1, keepdims=True)
+    sight = seen(unseen)
+    shown = np.einsum("wqx,fxy->fwqy", motions, sight)
+    wanted = np.einsum("fwqx,qx,fvqx->fwv", shown, precision, shown)
+    np.testing.assert_allclose(Sight(motions, precision).gram(sight), wanted, atol=1e-9)

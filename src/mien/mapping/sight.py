@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from mien.performance.performance import Performance
@@ -81,17 +82,34 @@ class Sight:
         self._motions = np.ascontiguousarray(motions.reshape(self.count, -1))
         grams = np.einsum("wqy,qx,vqz->xyzwv", motions, precision, motions, optimize=True)
         grams += np.swapaxes(grams, 1, 2)
-        self._grams = np.stack(
-            [grams[x, y, z] / (2.0 if y == z else 1.0) for x in range(3) for y, z in _PAIRS]
-        ).reshape(3 * len(_PAIRS), -1)
+        terms = [grams[x, y, z] / (2.0 if y == z else 1.0) for x in range(3) for y, z in _PAIRS]
+        below = np.tril_indices(self.count)
+        self._grams = np.stack([term[below] for term in terms], axis=1)
 
     def gram(self, sight: Array) -> Array:
         """(F, W, W) inner products among the motions under projections ``sight`` (F, 3, 3)."""
         factors = sight[:, :, _FIRST] * sight[:, :, _SECOND]
-        flat = factors.reshape(len(sight), -1) @ self._grams
-        return np.asarray(flat.reshape(-1, self.count, self.count))
+        return _summed(factors.reshape(len(sight), -1), self._grams, self.count)
 
     def onto(self, motion: Array, sight: Array) -> Array:
         """(F, W) inner products of ``motion`` (F, Q, 3) with each of the motions."""
         weighed = ((motion @ sight) * self._precision) @ sight
         return np.asarray(weighed.reshape(len(motion), -1) @ self._motions.T)
+
+
+@njit(cache=True, nogil=True, fastmath={"reassoc"})
+def _summed(factors: Array, terms: Array, count: int) -> Array:
+    """(F, W, W) symmetric matrices, whose lower halves are ``terms`` (W (W + 1) / 2, T) summed with
+    ``factors`` (F, T). In a frame of live work the terms come out of slow memory: each comes once.
+    """
+    sums = np.empty((len(factors), count, count))
+    for f in range(len(factors)):
+        place = 0
+        for i in range(count):
+            for j in range(i + 1):
+                total = 0.0
+                for t in range(terms.shape[1]):
+                    total += factors[f, t] * terms[place, t]
+                sums[f, i, j] = sums[f, j, i] = total
+                place += 1
+    return sums
