@@ -62,7 +62,8 @@ def _fit(places: Array) -> Array:
             right[1, axis] += far * rest
     inverse = 1.0 / max(near_near * far_far - near_far * near_far, 1e-12)
     control = np.empty((4, 2))
-    control[0], control[3] = places[0], places[-1]
-    control[1] = inverse * (far_far * right[0] - near_far * right[1])
-    control[2] = inverse * (near_near * right[1] - near_far * right[0])
+    for axis in range(2):
+        control[0, axis], control[3, axis] = places[0, axis], places[-1, axis]
+        control[1, axis] = inverse * (far_far * right[0, axis] - near_far * right[1, axis])
+        control[2, axis] = inverse * (near_near * right[1, axis] - near_far * right[0, axis])
     return control

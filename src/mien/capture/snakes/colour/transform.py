@@ -195,7 +195,9 @@ def _transform(
     left, top, right, bottom = box
     result = np.empty((bottom - top, right - left), dtype=np.float32)
     level = np.float32(_LEVELS / _BRIGHTEST)
-    coloured = np.abs(weights[:, 0]).max() > 0.0 or np.abs(weights[:, 3]).max() > 0.0
+    coloured = False
+    for i in range(len(weights)):
+        coloured = coloured or weights[i, 0] != 0.0 or weights[i, 3] != 0.0
     magenta = hued = np.float32(0.0)
     for y in range(top, bottom):
         for x in range(left, right):

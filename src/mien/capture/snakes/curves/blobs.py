@@ -66,14 +66,36 @@ def blob_lens(blob: Mask, corner: Array, pitch: float = 1.0) -> Array:
 @njit(cache=True, nogil=True)
 def _extent(blob: Mask) -> tuple[Array, Array, float, float]:
     """The ends of a blob, and how far it reaches above and below their chord."""
-    rows, columns = np.nonzero(blob)
-    first, last = columns.min(), columns.max()
-    left = np.array([float(first), rows[columns <= first + 1].mean()])
-    right = np.array([float(last), rows[columns >= last - 1].mean()])
-    x, y = right - left
-    length = max(np.hypot(x, y), 1.0)
-    below = ((rows - left[1]) * x - (columns - left[0]) * y) / length
-    return left, right, max(-below.min(), 0.5), max(below.max(), 0.5)
+    rows, columns = blob.shape
+    first, last = columns, -1
+    for y in range(rows):
+        for x in range(columns):
+            if blob[y, x]:
+                first, last = min(first, x), max(last, x)
+    left, right = np.empty(2), np.empty(2)
+    left[0], left[1] = first, _middle(blob, first, min(first + 1, last))
+    right[0], right[1] = last, _middle(blob, max(last - 1, first), last)
+    across, down = right[0] - left[0], right[1] - left[1]
+    length = max(np.hypot(across, down), 1.0)
+    highest, lowest = 0.5, 0.5
+    for y in range(rows):
+        for x in range(columns):
+            if blob[y, x]:
+                below = ((y - left[1]) * across - (x - left[0]) * down) / length
+                highest, lowest = max(highest, -below), max(lowest, below)
+    return left, right, highest, lowest
+
+
+@njit(cache=True, nogil=True)
+def _middle(blob: Mask, first: int, last: int) -> float:
+    """The mean row of a blob's pixels in the columns from ``first`` to ``last``."""
+    total, count = 0.0, 0
+    for y in range(len(blob)):
+        for x in range(first, last + 1):
+            if blob[y, x]:
+                total += y
+                count += 1
+    return total / max(count, 1)
 
 
 def without_hair(field: Field, expected: Array) -> Field:
