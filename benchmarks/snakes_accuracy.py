@@ -1,6 +1,7 @@
 """How near the curves lie to the features of a face.
 
     python benchmarks/snakes_accuracy.py --video take.mp4 [--performer FILE] [--light] [--json]
+    ... --frames 120    only so many frames, from the first on
     python benchmarks/snakes_accuracy.py --clip CLIP.mp4 --truth CLIP_truth.npz [--json]
     python benchmarks/snakes_accuracy.py --photos FOLDER [--json]
 
@@ -8,8 +9,9 @@ Mean distance between curve and contour, both ways, in percent of the distance o
 frames with a head yaw below 15 degrees. Contours are the landmark networks' on the same frames;
 the projected 68 points of a rendered truth (brows: one line); or points placed by hand
 (points.json in the folder), each photo from nothing, medians. Lost: beyond 12 (brows, lips) or 8
-(lids). --light repeats the take under synthetic light that sets in after the first frame; unscaled,
-all frames are judged by the skin of the first.
+(lids); of lips, the share marked as lost of those beyond 12, and of those within 6. --light repeats
+the take under synthetic light that sets in after the first frame; unscaled, all frames are judged
+by the skin of the first.
 """
 
 from __future__ import annotations
@@ -18,6 +20,7 @@ import argparse
 import json
 from collections.abc import Callable, Mapping
 from functools import partial
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -29,7 +32,7 @@ from mien.capture.detector import Detector
 from mien.capture.known import curve_calibration
 from mien.capture.snakes.colour.palette import trained
 from mien.capture.snakes.colour.training import least_squares
-from mien.capture.snakes.curves.features import LASTING, NAMES
+from mien.capture.snakes.curves.features import LASTING, NAMES, ROW
 from mien.capture.snakes.curves.fields import Weigh, usual_weights
 from mien.capture.snakes.curves.lens import lower_curve, upper_curve
 from mien.capture.snakes.stepper import Seen, SnakeCapture
@@ -44,6 +47,8 @@ Contours = Mapping[str, tuple[Array, ...]]
 
 MOST_YAW = 15.0
 LOST = {"brows": 12.0, "lids": 8.0, "outer_lips": 12.0, "inner_lips": 12.0}
+NEAR = 6.0
+"""Percent within which lips are plainly found."""
 PARTS = {
     "brows": ("brow_right", "brow_left"),
     "lids": ("eye_right", "eye_left"),
@@ -69,6 +74,7 @@ def main() -> None:
     parser.add_argument("--truth", type=Path)
     parser.add_argument("--photos", type=Path)
     parser.add_argument("--performer", type=Path, help="what mien calibrate learnt")
+    parser.add_argument("--frames", type=int, help="judge only the first so many")
     parser.add_argument("--light", action="store_true", help="also under synthetic light")
     parser.add_argument("--json", action="store_true")
     options = parser.parse_args()
@@ -79,9 +85,10 @@ def main() -> None:
         contours = [true_contours(truth, frame) for frame in range(len(truth["R"]))]
         yaw = np.abs(truth["yaw_pitch_roll_deg"][:, 0])
         kept = [c if y < MOST_YAW else None for c, y in zip(contours, yaw, strict=True)]
+        kept = kept[: options.frames]
         figures, name = take_figures(options.clip, kept, stepper_of(options)), options.clip.name
     else:
-        kept = network_contours(options.video)
+        kept = network_contours(options.video, options.frames)
         figures, name = take_figures(options.video, kept, stepper_of(options)), options.video.name
         if options.light:
             figures |= light_figures(options, kept)
@@ -105,14 +112,16 @@ def take_figures(
     """Errors over a take against the contours of each frame (None: does not count)."""
     stepper = make()
     errors: list[list[float]] = []
+    lips_lost: list[bool] = []
     recovered = flagged = frames = 0
-    for frame, wanted in zip(open_source(video), contours, strict=False):
+    for wanted, frame in zip(contours, open_source(video), strict=False):
         seen = stepper.step(lit(frame.image, light if frames else "as it is"))
         frames += 1
         recovered += seen is None or (seen.recovered and frames > 1)
         flagged += seen is None or bool(seen.lost[LASTING].any())
         if wanted is not None and seen is not None:
             errors.append([part_error(seen, wanted, part) for part in PARTS])
+            lips_lost.append(bool(seen.lost[ROW["lips"]]))
     table = np.array(errors)
     return {
         **{f"{part}_pct": float(np.nanmean(table[:, i])) for i, part in enumerate(PARTS)},
@@ -120,7 +129,18 @@ def take_figures(
         "recovered_fraction": recovered / frames,
         "lost_fraction": float(np.mean([lost_share(table, i, p) for i, p in enumerate(PARTS)])),
         "flagged_fraction": flagged / frames,
+        **lips_marked(table[:, list(PARTS).index("outer_lips")], np.array(lips_lost)),
         "frames_judged": float(len(table)),
+    }
+
+
+def lips_marked(errors: Array, lost: NDArray[np.bool_]) -> dict[str, float]:
+    """Share of frames marked as lost of those whose lips are nowhere near, and of those near."""
+    off, near = errors > LOST["outer_lips"], errors < NEAR
+    return {
+        "lips_off": float(off.mean()),
+        "lips_off_marked": float(lost[off].mean()) if off.any() else 1.0,
+        "lips_near_marked": float(lost[near].mean()) if near.any() else 0.0,
     }
 
 
@@ -218,10 +238,12 @@ def distance(places: Array, line: Array) -> float:
     return float(np.linalg.norm(places[:, None] - near, axis=-1).min(1).mean())
 
 
-def network_contours(video: Path) -> list[Contours | None]:
-    """The landmark networks' contours of every frame; None where turned or not seen."""
+def network_contours(video: Path, frames: int | None) -> list[Contours | None]:
+    """The landmark networks' contours of every frame, or of the first ``frames``; None where
+    turned or not seen."""
     with Detector() as detector:
-        found = [detector.landmarks(frame.image) for frame in open_source(video)]
+        shown = islice(open_source(video), frames)
+        found = [detector.landmarks(frame.image) for frame in shown]
     return [None if p is None or turned(p) else mesh_contours(p.astype(float)) for p in found]
 
 
