@@ -11,8 +11,11 @@ import pytest
 
 from mien.capture.settings import CaptureSettings
 from mien.capture.snakes.capture import follow
+from mien.capture.snakes.curves.features import MOUTH
+from mien.capture.snakes.curves.lens import height
 from mien.capture.snakes.points import depths
 from mien.capture.snakes.reading import calibrate, perform
+from mien.capture.snakes.rehearsal import drawn
 from mien.capture.snakes.stepper import SnakeCapture
 from mien.capture.stepping import LEARNING, STEPPERS, SnakeStepper
 from mien.face.library import generic_face
@@ -63,3 +66,12 @@ def test_a_face_that_goes_keeps_its_last_look_and_is_told(film: list[Frame]) -> 
     assert gone.confidence[0] == 0.0
     assert stepper.trace.lost
     np.testing.assert_array_equal(gone.motion, last.motion)
+
+
+def test_the_face_of_the_rehearsal_is_followed_with_its_mouth_open() -> None:
+    capture = SnakeCapture()
+    seen = [capture.step(drawn()) for _ in range(2)]
+    for each in seen:
+        assert each is not None
+        assert not each.lost.any()
+        assert height(each.lenses[MOUTH]) > 5.0

@@ -24,6 +24,7 @@ from mien.capture.snakes.points import depths
 from mien.capture.snakes.reading import Calibration as CurveCalibration
 from mien.capture.snakes.reading import calibrate as calibrate_curves
 from mien.capture.snakes.reading import perform as perform_curves
+from mien.capture.snakes.rehearsal import rehearse
 from mien.capture.snakes.stepper import SnakeCapture
 from mien.capture.snakes.track import Gathering
 from mien.capture.snakes.watch import trace_of
@@ -169,6 +170,7 @@ class SnakeStepper:
     ) -> None:
         """``known`` from an earlier take of the same performer and camera, ``capture`` that knows
         their look; ``focal`` in pixels."""
+        rehearse()
         self._depth = depths(generic_face())
         self._focal = focal
         self._known = known
