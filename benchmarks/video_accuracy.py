@@ -1,7 +1,8 @@
 """How far a captured performance is from a known truth.
 
     python benchmarks/video_accuracy.py --clip CLIP.mp4 --truth CLIP_truth.npz [--json]
-    ... --capture tracker --focal truth [--person truth] [--occluder] [--ablation]
+    ... --capture landmarks
+    ... --focal truth [--person truth] [--occluder] [--ablation]
 
 Head rotation in degrees after one constant alignment, motion of feature points, and the dense
 surface when the capture drives 25 faces on the performer's true neutral; beside plain PnP and
@@ -62,7 +63,7 @@ def main() -> None:
     parser.add_argument(
         "--databank", type=Path, help="folder of the faces (beside --truth: ../ict)"
     )
-    parser.add_argument("--capture", default="landmarks")
+    parser.add_argument("--capture", default="tracker")
     parser.add_argument("--mapping", default="cardinal")
     parser.add_argument(
         "--focal", default="unknown", help="truth, unknown, or pixels (default: %(default)s)"

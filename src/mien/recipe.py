@@ -97,7 +97,7 @@ WRITERS: Mapping[str, Callable[[Performance, Path], None]] = {
 def capture(
     path: str | Path,
     *,
-    method: str = "landmarks",
+    method: str = "tracker",
     start: float | None = None,
     end: float | None = None,
     mirror: bool = False,
@@ -108,6 +108,7 @@ def capture(
     faces: str | Path | None = None,
     overlay: str | Path | None = None,
     progress: Progress | None = None,
+    notice: Callable[[str], None] | None = None,
 ) -> Performance:
     """What the performer in a recording did.
 
@@ -119,7 +120,7 @@ def capture(
     takes told of the same person; ``faces`` is a databank of their scanned faces, by which the
     tracker knows how they look and move; ``overlay`` names an MP4 to write, in which what was seen
     is drawn over the recording. ``progress`` is called with frames done and frames expected (None:
-    unknown).
+    unknown), ``notice`` with a line where the tracker left a take to the landmarks.
     Raises InputError, FormatError, NoFaceError, MissingExtraError.
     """
     if holds_markers(path):
@@ -131,7 +132,9 @@ def capture(
     if faces is not None and method != "tracker":
         raise InputError(f"--faces {faces}: only --capture tracker knows faces by their scans")
     known = None if performer is None else read_performer(Path(performer))
-    settings = CaptureSettings(neutral, _focal(focal, source.size[0]), known, _space(faces))
+    settings = CaptureSettings(
+        neutral, _focal(focal, source.size[0]), known, _space(faces), notice=notice
+    )
     try:
         if overlay is None:
             return way(source, settings, source.name, told)

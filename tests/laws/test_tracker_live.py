@@ -14,8 +14,10 @@ pytest.importorskip("mediapipe", reason="the extra 'landmarks' is not installed"
 from mien.capture import landmarks
 from mien.capture.detector import follow
 from mien.capture.neutral import ground
+from mien.capture.settings import CaptureSettings
 from mien.capture.stepping import LEARNING, TrackerStepper
-from mien.capture.tracker.capture import Faces, follow_take
+from mien.capture.tracker.capture import Faces, follow_take, tracker
+from mien.capture.tracker.crop import Crop, cut
 from mien.capture.tracker.meet import generic_person
 from mien.capture.tracker.perform import perform
 from mien.capture.tracker.trust import Trust
@@ -75,3 +77,24 @@ def test_a_face_that_goes_keeps_its_last_look_and_is_met_where_it_comes_back(
     assert not back.lost[0]
     assert stepper.trace.notes == ("recovered",)
     stepper.close()
+
+
+def test_a_take_whose_skin_is_not_found_again_is_left_to_the_landmarks(
+    film: list[Frame], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    random, short = np.random.default_rng(0), film[:8]
+    base = ground(generic_face())
+    track = follow(short)
+    known = landmarks.calibrate(track, base)
+
+    def noise(_: Faces, index: int) -> Crop:
+        shape = short[index].image.shape
+        return cut(random.integers(0, 256, shape).astype(np.uint8), track.points[index])
+
+    monkeypatch.setattr(Faces, "__getitem__", noise)
+    said: list[str] = []
+    left = tracker(short, CaptureSettings(notice=said.append), "noise")
+    assert len(said) == 1
+    assert "landmarks" in said[0]
+    plain = landmarks.perform(track, known, base, "noise")
+    np.testing.assert_allclose(left.motion, plain.motion, atol=1e-6)

@@ -25,3 +25,5 @@ class CaptureSettings:
     """What the tracker knows of faces; None: the generic face's space."""
     watch: Callable[[Trace], None] | None = None
     """Told what was seen in every frame, once each and in their order."""
+    notice: Callable[[str], None] | None = None
+    """Told in a line what a person should know of how the take was captured."""

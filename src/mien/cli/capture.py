@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -50,8 +51,8 @@ def add_cut_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--capture",
         metavar="NAME",
-        default="landmarks",
-        help="how the face is followed (default: %(default)s)",
+        default="tracker",
+        help="how the face is followed: tracker, landmarks or snakes (default: %(default)s)",
     )
     parser.add_argument(
         "--start", type=not_negative, metavar="SECONDS", help="begin there (default: 0)"
@@ -140,6 +141,7 @@ def performance_of(options: argparse.Namespace) -> tuple[Performance, dict[str, 
                 raise InputError(f"--{name}: {options.take} was captured before; it stays as it is")
         return load_performance(options.take), {}
     remark(options, f"following the face in {options.take}")
+    said: list[str] = []
     with progress("following the face") as told:
         performance = capture(
             options.take,
@@ -154,7 +156,10 @@ def performance_of(options: argparse.Namespace) -> tuple[Performance, dict[str, 
             faces=options.faces,
             overlay=options.overlay,
             progress=told,
+            notice=said.append,
         )
+    for line in said:
+        print(f"mien: {options.take}: {line}", file=sys.stderr)
     return performance, {}
 
 

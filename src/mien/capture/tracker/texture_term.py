@@ -104,5 +104,6 @@ class TextureTerm:
         )
         seen = places[rows]
         jacobian = self.sampled.chain(self.lens.pull_back(gradient, seen), seen, state)
-        deviation = max(float(np.median(np.abs(residual[counted]))), 1e-3)
+        deviation = float(np.median(np.abs(residual[counted]))) if counted.any() else 1.0
+        deviation = max(deviation, 1e-3)
         return Linearized(residual / deviation, jacobian / deviation, cauchy(_KNEE), self.weight)
