@@ -67,8 +67,10 @@ def ground(generic: Character) -> Ground:
     eyes = generic.face.pivots
     scale = PUPIL_DISTANCE / float(np.linalg.norm(eyes["eye_left"] - eyes["eye_right"]))
     rows = [generic.keys.names.index(name) for name in generic.examples]
-    shapes = generic.keys.displacements[rows][:, kept].astype(float)
-    return Ground(generic.face.vertices[kept] * scale, shapes * scale)
+    shapes = generic.keys.displacements[rows][:, kept].astype(float) * scale
+    # Laid out point by point, as HeadModel reads them, so that no frame has to do it again.
+    shapes = np.ascontiguousarray(shapes.transpose(1, 2, 0)).transpose(2, 0, 1)
+    return Ground(generic.face.vertices[kept] * scale, shapes)
 
 
 def lift(points: NDArray[np.float32], ground: Ground) -> Array:
