@@ -18,25 +18,31 @@ from mien.view.renderer import Renderer
 
 SKIN, LIP, DARK = (200.0, 150.0, 125.0), (170.0, 80.0, 82.0), (45.0, 25.0, 25.0)
 TONGUE, TEETH = (180.0, 115.0, 115.0), (215.0, 190.0, 175.0)
+SHADED_TEETH = (190.0, 155.0, 143.0)
+PALE_LIP, RED_TONGUE = (200.0, 134.0, 108.0), (200.0, 80.0, 75.0)
 
 
-def mouth(inner: tuple[float, float, float], low: tuple[float, float, float]) -> float:
-    """The measure on a painted mouth: dark above, ``inner`` and ``low`` below one another."""
+Colour = tuple[float, float, float]
+
+
+def mouth(inner: Colour, low: Colour, lip: Colour = LIP, bottom: int = 9) -> float:
+    """The measure on a painted mouth: dark above, ``inner`` and ``low`` below one another, down to
+    row ``bottom`` from the middle."""
     lips = usual_lenses()["lips"]
     lips = lips.mean(axis=0) + (lips - lips.mean(axis=0)) * np.array([1.0, 2.5])
     corner, shape = np.array([-70.0, 60.0]), (130, 140)
     colour = np.empty((*shape, 3))
     colour[:] = SKIN
     blank = np.zeros(shape, np.float32)
-    colour[filled(lips, Pigments(blank, blank, blank, corner, 1)) > 0] = LIP
+    colour[filled(lips, Pigments(blank, blank, blank, corner, 1)) > 0] = lip
     rows, columns = (np.round(lips.mean(axis=0) - corner)[::-1]).astype(int)
     across = slice(columns - 22, columns + 23)
-    for first, last, paint in ((-14, -6, DARK), (-6, 4, inner), (4, 9, low)):
+    for first, last, paint in ((-14, -6, DARK), (-6, 4, inner), (4, bottom, low)):
         colour[rows + first : rows + last, across] = paint
     value = colour.max(axis=2).astype(np.float32)
     magenta = (1.0 - colour[..., 1] / value).astype(np.float32)
     blue = (colour[..., 2] / colour[..., 1]).astype(np.float32)
-    own = LipColour(LIP[0], 1.0 - LIP[1] / LIP[0])
+    own = LipColour(lip[0], 1.0 - lip[1] / lip[0])
     return tongue_out(lips, Pigments(value, magenta, blue, corner, 1), own)
 
 
@@ -45,6 +51,7 @@ def mouth(inner: tuple[float, float, float], low: tuple[float, float, float]) ->
     [
         (TONGUE, TONGUE, True),
         (TONGUE, TEETH, False),
+        (TONGUE, SHADED_TEETH, False),
         (TEETH, TEETH, False),
         (DARK, DARK, False),
         (LIP, LIP, False),
@@ -55,6 +62,11 @@ def test_a_tongue_is_pale_pink_under_dark_and_above_no_teeth(
     inner: tuple[float, float, float], low: tuple[float, float, float], out: bool
 ) -> None:
     assert (mouth(inner, low) > 0.5) == out
+
+
+def test_a_tongue_redder_than_pale_lips_is_out_where_it_covers_the_lower_one() -> None:
+    assert mouth(RED_TONGUE, RED_TONGUE, PALE_LIP, bottom=40) > 0.5
+    assert mouth(RED_TONGUE, RED_TONGUE, PALE_LIP) < 0.5
 
 
 @pytest.mark.parametrize("seed", range(20))

@@ -45,10 +45,17 @@ _RING = 0.14
 """Depth of the lips' own colour inside their outline, in heights."""
 _STRIP, _HAIRY = 6.0, 0.2
 """Patch units above the lips, and ln(V of the skin / V) from which hair grows there."""
-_PINKEST, _LEAST_PINK, _LIT, _BLUE = 0.85, 1.12, 0.85, 0.88
+_PINKEST, _LEAST_PINK, _LIT, _BLUE = 0.85, 1.12, 0.95, 0.88
 """A tongue has at most this share of the magenta of the reddest quarter of the mouth and at least
 that of the skin's, this share of the lips' brightness, and this much blue for its green: skin
 and lit lips have less."""
+_REDDER, _BLUER = 1.4, 1.1
+"""Or, where lips are pale, so much more magenta than the upper lip and so much more blue."""
+_RIM = 0.07
+"""Depth of the upper lip inside its outline, in heights."""
+_UNDER = 0.7
+"""Share of the tongue's magenta below which something lies before it: lower teeth, however shaded,
+or a pale lip, which a tongue that is out covers."""
 _LIP = 0.3
 """Share of the mouth's height that its lower lip takes."""
 _TONGUE = (0.04, 0.12)
@@ -131,14 +138,13 @@ def filled(outline: Array, seen: Pigments) -> Mask:
 
 
 def tongue_out(outline: Array, seen: Pigments, lips: LipColour) -> float:
-    """How far the tongue is out, 0..1: pale and pink, under dark and above no teeth, and not where
-    the lower lip is."""
-    return _tongue(outline, seen, lips, _within(outline, seen), *inside_masks(seen, lips))
+    """How far the tongue is out, 0..1: pink, of another colour than the lips, under dark, above no
+    teeth and no pale lip, and not where the lower lip is."""
+    dark, _ = inside_masks(seen, lips)
+    return _tongue(outline, seen, lips, _within(outline, seen), dark)
 
 
-def _tongue(
-    outline: Array, seen: Pigments, lips: LipColour, within: Mask, dark: Mask, teeth: Mask
-) -> float:
+def _tongue(outline: Array, seen: Pigments, lips: LipColour, within: Mask, dark: Mask) -> float:
     black = _opened(dark & within, _SPECK)
     if not black.any():
         return 0.0
@@ -148,10 +154,18 @@ def _tongue(
     inner = seen.magenta[within > 0]
     most = (3 * len(inner)) // 4
     reddest = float(np.partition(inner, most)[most])
-    pink = (seen.magenta > _LEAST_PINK * MAGENTA_SKIN) & (seen.magenta < _PINKEST * reddest)
-    pink &= (seen.value > _LIT * lips.value) & (seen.blue > _BLUE)
-    pale = _opened(pink & within & above_lip, _MARGIN)
-    share = _between(pale, black, teeth & within) / len(inner)
+    rim = upper_curve(outline, 15)[3:-3] + np.array([0.0, _RIM * tallness(outline)])
+    redder = seen.magenta > _REDDER * _median(seen.values(seen.magenta, rim))
+    bluer = seen.blue > _BLUER * _median(seen.values(seen.blue, rim))
+    pink = (seen.magenta < _PINKEST * reddest) | (redder & bluer)
+    pink &= (seen.magenta > _LEAST_PINK * MAGENTA_SKIN) & (seen.blue > _BLUE)
+    pink &= seen.value > _LIT * lips.value
+    tongue = _opened(pink & within & above_lip, _MARGIN)
+    if not tongue.any():
+        return 0.0
+    pale = seen.magenta < _UNDER * _median(seen.magenta[tongue > 0])
+    before = _opened((pale & (seen.value > _BRIGHT * lips.value)) & within, _SPECK)
+    share = _between(tongue, black, before) / len(inner)
     return min(max((share - _TONGUE[0]) / (_TONGUE[1] - _TONGUE[0]), 0.0), 1.0)
 
 
@@ -160,7 +174,7 @@ def find_opening(outline: Array, seen: Pigments, lips: LipColour) -> Opening:
     dark, teeth = inside_masks(seen, lips)
     within = _within(outline, seen)
     share = float((teeth & within).sum()) / max(float(within.sum()), 1.0)
-    tongue = _tongue(outline, seen, lips, within, dark, teeth)
+    tongue = _tongue(outline, seen, lips, within, dark)
     shown = _opened((dark | teeth) & within, _MARGIN)
     if cv2.countNonZero(shown) >= _FEWEST:
         upper, lower = hull_edges(shown)
@@ -181,15 +195,15 @@ def _within(outline: Array, seen: Pigments) -> Mask:
 
 
 @njit(cache=True, nogil=True)
-def _between(pale: Mask, black: Mask, teeth: Mask) -> int:
-    """How many pale pixels have black above them and no teeth below."""
-    rows, columns = pale.shape
+def _between(tongue: Mask, black: Mask, teeth: Mask) -> int:
+    """How many pixels of tongue have black above them and no teeth below."""
+    rows, columns = tongue.shape
     count = 0
     for x in range(columns):
         y = rows - 1
         run = 0
         while y >= 0 and teeth[y, x] == 0:
-            run += pale[y, x]
+            run += tongue[y, x]
             if black[y, x]:
                 count += run
                 run = 0
