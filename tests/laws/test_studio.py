@@ -252,8 +252,10 @@ def test_uploads_are_kept_whole_or_not_at_all(
     assert client.put("/videos/a.mp4", content=b"film").json() == {"name": "a.mp4"}
     assert (shelf.folder / "a.mp4").read_bytes() == b"film"
     assert client.put("/videos/a.exe", content=b"film").status_code == 400
-    monkeypatch.setattr("mien.live.studio.shelf.LARGEST_UPLOAD", 10)
+    monkeypatch.setattr("mien.live.studio.shelf.LARGEST_VIDEO", 20)
+    monkeypatch.setattr("mien.live.studio.shelf.LARGEST_FILE", 10)
     assert client.put("/videos/b.mp4", content=b"film" * 10).status_code == 400
+    assert client.put("/characters/b.glb", content=b"film" * 4).status_code == 400
     assert [path.name for path in shelf.folder.iterdir()] == ["a.mp4"]
 
 

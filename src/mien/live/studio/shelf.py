@@ -12,7 +12,9 @@ from mien.formats.atomic import whole_file
 from mien.formats.takes.recording import read_recording
 from mien.performance.performance import Performance
 
-LARGEST_UPLOAD = 2 * 2**30
+LARGEST_VIDEO = 2 * 2**30
+LARGEST_FILE = 256 * 2**20
+"""Of anything else: characters of more than half of it are read by no importer."""
 _NAME = re.compile(r"[\w][\w .()+-]{0,99}", re.ASCII)
 
 Kind = frozenset[str]
@@ -62,12 +64,12 @@ class Shelf:
     async def keep(self, name: str, kind: Kind, chunks: AsyncIterator[bytes]) -> Path:
         """Keep what is uploaded, whole or not at all. Raises InputError, OutputError."""
         path = self.place(name, kind)
-        size = 0
+        size, most = 0, LARGEST_VIDEO if path.suffix.lower() in VIDEOS else LARGEST_FILE
         with whole_file(path) as temporary, temporary.open("wb") as file:
             async for chunk in chunks:
                 size += len(chunk)
-                if size > LARGEST_UPLOAD:
-                    raise InputError(f"{name}: larger than {LARGEST_UPLOAD >> 30} GB")
+                if size > most:
+                    raise InputError(f"{name}: larger than {most >> 20} MB")
                 file.write(chunk)
         return path
 
