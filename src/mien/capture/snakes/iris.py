@@ -76,8 +76,8 @@ def _fit(look: Look, middle: Array) -> Array:
     around = np.maximum(look.mean[top:bottom, left:right], 1.0)
     dark = np.clip(np.log(around / shown), 0.0, _DARKEST)
     fit = cv2.filter2D(dark, -1, _PATTERN, borderType=cv2.BORDER_REPLICATE)
-    x, y = np.meshgrid(
-        centre[0] - left + _ACROSS / COARSE, centre[1] - top + _DOWN / COARSE, indexing="xy"
-    )
-    found = cv2.remap(fit, x.astype(np.float32), y.astype(np.float32), cv2.INTER_LINEAR)
+    x, y = np.empty((2, len(_DOWN), len(_ACROSS)), dtype=np.float32)
+    x[:] = centre[0] - left + _ACROSS / COARSE
+    y[:] = (centre[1] - top + _DOWN / COARSE)[:, None]
+    found = cv2.remap(fit, x, y, cv2.INTER_LINEAR)
     return np.asarray(found, dtype=float)

@@ -19,6 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import cv2
@@ -158,6 +159,7 @@ def _hue(colour: Array) -> Array:
     )
 
 
+@cache
 def window(box: Box, pitch: int = 1) -> Box:
     """Columns and rows that a rectangle in patch units covers on a patch whose pixels are
     ``pitch`` units apart."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cache
 
 import cv2
 import numpy as np
@@ -64,6 +65,7 @@ def look_at(patch: Picture, skin: Array | None = None) -> Look:
     return Look(patch, small, factors, value, neighbourhood(value))
 
 
+@cache
 def corner_of(feature: Feature) -> Array:
     """(2,) patch units of the first pixel's centre of the field it is sought in."""
     left, top, _, _ = window(feature.box, feature.pitch)

@@ -30,7 +30,7 @@ _QUALITY, _APART = 0.02, 5.0
 NOSE = (50, 24, 174, 180)
 """Left, top, right, bottom of the pixels of a patch in which the points are sought."""
 _CORNER = ORIGIN - np.array(NOSE[:2])
-_WINDOW = (21, 21)
+_WINDOW = (17, 17)
 _LEVELS = 3
 _TOLERANCE = 2.0
 """Patch units by which a point may miss the common movement and still agree."""

@@ -44,10 +44,11 @@ class Pose:
         roll = float(np.arctan2(self.rotation[1, 0], self.rotation[0, 0]))
         c, s = float(np.cos(roll)), float(np.sin(roll))
         turn = np.array([[c, s], [-s, c]])
-        back = turn / self.scale
-        rotation = np.block([[turn, np.zeros((2, 1))], [np.zeros((1, 2)), np.eye(1)]])
-        moved = np.column_stack([back, -back @ self.shift])
-        return moved, Pose(np.asarray(rotation @ self.rotation, dtype=float), 1.0, np.zeros(2))
+        moved, rotation = np.empty((2, 3)), self.rotation.copy()
+        moved[:, :2] = turn / self.scale
+        moved[:, 2] = -moved[:, :2] @ self.shift
+        rotation[:2] = turn @ rotation[:2]
+        return moved, Pose(rotation, 1.0, np.zeros(2))
 
 
 RESTING = Pose(np.eye(3), 1.0, np.zeros(2))
