@@ -8,6 +8,8 @@ const LIDS = { task: "lids", pose: "" } as const;
 const REST = { task: "neutral", pose: "" } as const;
 const ONE_EYE = /^(blink|eyeBlink|wink)/i;
 const MOST_POSES = 12;
+/** The mapping that goes by a standard's parameters, whoever performs. */
+const STANDARD = "fap";
 
 type Asked = Pick<Hold, "task" | "pose">;
 
@@ -52,6 +54,7 @@ export class Coach {
     this.posesOf();
     find<HTMLButtonElement>("own").disabled = !film;
     this.list(stage);
+    this.heed(stage);
     if (this.kept && stage.performers.includes(this.kept)) {
       save(`performers/${encodeURIComponent(this.kept)}`);
       this.kept = "";
@@ -127,6 +130,15 @@ export class Coach {
       if (each.task === "neutral") row.title = "Your face at rest (N)";
       return row;
     }));
+  }
+
+  /** Says where faces of one's own do not count, or cannot be held. */
+  private heed(stage: StageSet): void {
+    const told = stage.way.mapping === STANDARD
+      ? `The mapping ${STANDARD} goes by MPEG-4's own parameters: faces of your own count with the others.`
+      : stage.source === "take" ? "A take has no pictures: choose the camera, the sample or a video to hold faces." : "";
+    find("heed").hidden = !told;
+    find("heed").textContent = told;
   }
 
   private posesOf(): void {

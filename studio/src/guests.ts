@@ -1,9 +1,8 @@
 // Characters that are brought: read by the server, and pointed at where their face is not found.
 
 import { bring, choose, find, note, tame } from "./dom";
+import { MODELS } from "./endings";
 import { Picker } from "./picker";
-
-const KINDS = ".glb,.gltf,.vrm,.obj,.zip";
 
 interface Admitted { name: string; found: boolean; notes: string[] }
 interface Point { id: string; what: string; at: [number, number]; needed: boolean }
@@ -46,7 +45,7 @@ export class Guests {
   }
 
   async invite(): Promise<void> {
-    const file = await choose(KINDS);
+    const file = await choose(MODELS.join());
     if (file) await this.bring(file);
   }
 

@@ -5,6 +5,9 @@ import type { Packet } from "./packet";
 
 const QUALITY = 0.8;
 const STATES = { waiting: "Looking for a face at rest", following: "Following", lost: "The face is lost" };
+/** Width over height of the screen, at least and at most. */
+const SLIM = 1;
+const BROAD = 1.78;
 
 export class Performer {
   private readonly video = find<HTMLVideoElement>("video");
@@ -39,14 +42,12 @@ export class Performer {
     this.overlay.getContext("2d")?.clearRect(0, 0, this.overlay.width, this.overlay.height);
     this.tell("", "Nobody yet", "");
     find("crowd").hidden = true;
+    find("veil").classList.remove("on");
   }
 
   /** What the screen says while there is nothing to see. */
   invite(source: string): void {
-    find("invitation").hidden = source !== "none" && source !== "take";
-    find("invitation").lastChild!.textContent =
-      source === "take" ? "A take keeps what was done, not the pictures." : "Your camera, a video, or the sample: choose above.";
-    find("invitation").firstElementChild!.textContent = source === "take" ? "Playing a take" : "Who performs?";
+    find("invitation").hidden = source !== "none";
     this.video.hidden = !this.stream;
   }
 
@@ -57,7 +58,9 @@ export class Performer {
       this.picture.src = this.shown;
     }
     this.picture.hidden = !packet.picture;
-    this.tell(packet.state, STATES[packet.state], `${packet.late.toFixed(0)} ms`);
+    const words = packet.picture || this.stream ? STATES[packet.state] : "A take, without pictures";
+    this.tell(packet.state, words, packet.picture || this.stream ? `${packet.late.toFixed(0)} ms` : "");
+    find("veil").classList.toggle("on", packet.state === "lost" && this.stream !== undefined);
     const crowd = find("crowd");
     crowd.hidden = packet.faces < 2;
     crowd.textContent = `Follows one of ${packet.faces} faces`;
@@ -74,9 +77,11 @@ export class Performer {
 
   private draw(packet: Packet): void {
     const source = this.stream ? this.video : this.picture;
-    const width = source instanceof HTMLVideoElement ? source.videoWidth : source.naturalWidth;
-    const height = source instanceof HTMLVideoElement ? source.videoHeight : source.naturalHeight;
+    // A take without pictures shows its points in a square.
+    const width = source instanceof HTMLVideoElement ? source.videoWidth : packet.picture ? source.naturalWidth : 1;
+    const height = source instanceof HTMLVideoElement ? source.videoHeight : packet.picture ? source.naturalHeight : 1;
     const canvas = this.overlay;
+    if (width && height) canvas.parentElement!.style.aspectRatio = String(Math.min(Math.max(width / height, SLIM), BROAD));
     const pixels = Math.min(devicePixelRatio, 2);
     canvas.width = canvas.clientWidth * pixels;
     canvas.height = canvas.clientHeight * pixels;

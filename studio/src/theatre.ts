@@ -1,148 +1,86 @@
-// The characters, side by side in one canvas.
+// The characters, side by side in one canvas, a card each.
 
-import {
-  ACESFilmicToneMapping, AmbientLight, Box3, type BufferAttribute, DirectionalLight, HemisphereLight, Mesh, type Object3D, PerspectiveCamera,
-  Scene, Vector3, WebGLRenderer,
-} from "three";
+import { NeutralToneMapping, PCFShadowMap, type Texture, WebGLRenderer } from "three";
 import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
+import { spoken } from "./dom";
+import { room } from "./light";
 import type { Actor } from "./messages";
 import type { Acting } from "./packet";
+import { Player } from "./player";
 
-/** Metres that are seen of a head without a body, about it. */
-const ROOM = 1.15;
-/** Degrees from top to bottom. */
-const FIELD = 16;
-/** Width over height of a cell in which a face just has room. */
-const SLIM = 0.72;
+/** Pixels between two cards. */
+const GAP = 10;
+/** Width over height of a card that a portrait just fills. */
+const PORTRAIT = 0.8;
+/** Milliseconds after which what does not move is drawn as finely as can be. */
+const SETTLED = 400;
+/** Milliseconds a picture that are slow, or quick, and that count at most. */
+const SLOW = 60;
+const QUICK = 20;
+const MOST = 400;
+/** Pixels drawn for one of the screen's, at least. */
+const COARSEST = 0.4;
 
-/** Metres beyond which nobody leaves their place, however far the performer goes. */
-const LEASH = 0.05;
-const near = (step: number) => LEASH * Math.tanh(step / LEASH);
+interface Cell { x: number; y: number; w: number; h: number }
 
-/** Rows of the weights that move each mesh, in the mesh's own order. */
-interface Moved { mesh: Mesh; rows: number[] }
-
-/** The box of what is at rest; three.js would make room for every morph target at once. */
-function boxOf(root: Object3D): Box3 {
-  const box = new Box3();
-  root.updateWorldMatrix(true, true);
-  root.traverse((object) => {
-    const places = object instanceof Mesh ? (object.geometry.getAttribute("position") as BufferAttribute) : undefined;
-    if (places) box.union(new Box3().setFromBufferAttribute(places).applyMatrix4(object.matrixWorld));
+/** Where `count` cards go so that portraits are largest; a last row that is not full is wider. */
+export function cells(count: number, width: number, height: number): Cell[] {
+  const size = (columns: number) => {
+    const w = (width + GAP) / columns - GAP;
+    const h = (height + GAP) / Math.ceil(count / columns) - GAP;
+    return Math.min(w / PORTRAIT, h);
+  };
+  let columns = count;
+  for (let fewer = count - 1; fewer > 0; fewer--) if (size(fewer) > 1.1 * size(columns)) columns = fewer;
+  const rows = Math.ceil(count / columns);
+  const h = (height + GAP) / rows - GAP;
+  return Array.from({ length: count }, (_, i) => {
+    const row = Math.floor(i / columns);
+    const beside = Math.min(columns, count - row * columns);
+    const w = (width + GAP) / beside - GAP;
+    return { x: (i % columns) * (w + GAP), y: row * (h + GAP), w, h };
   });
-  return box;
-}
-
-class Player {
-  readonly scene = new Scene();
-  readonly camera = new PerspectiveCamera(FIELD, 1, 0.1, 20);
-  private root?: Object3D;
-  private rest: [number, number, number] = [0, 0, 0];
-  private moved: Moved[] = [];
-
-  constructor(readonly actor: Actor) {
-    this.camera.position.set(0, 0.0, 1.28);
-    this.camera.lookAt(0, -0.04, -0.04);
-    const key = new DirectionalLight(0xfff1e0, 2.6);
-    key.position.set(-0.6, 0.7, 0.9);
-    const fill = new DirectionalLight(0xcfe0ff, 0.9);
-    fill.position.set(0.9, 0.1, 0.6);
-    const rim = new DirectionalLight(0xffffff, 1.6);
-    rim.position.set(0.7, 0.5, -0.9);
-    this.scene.add(key, fill, rim, new HemisphereLight(0xcfd8e6, 0x6b5b50, 0.9), new AmbientLight(0xffffff, 0.15));
-  }
-
-  async load(loader: GLTFLoader): Promise<void> {
-    const { scene } = await loader.loadAsync(this.actor.url);
-    this.root = scene.getObjectByName(this.actor.name);
-    if (this.root) this.rest = this.root.position.toArray();
-    const row = new Map(this.actor.targets.map((name, i) => [name, i]));
-    scene.traverse((object) => {
-      object.frustumCulled = false;
-      const dictionary = object instanceof Mesh ? object.morphTargetDictionary : undefined;
-      if (object instanceof Mesh && dictionary) {
-        const rows: number[] = [];
-        for (const [name, index] of Object.entries(dictionary)) rows[index] = row.get(name) ?? -1;
-        this.moved.push({ mesh: object, rows });
-      }
-    });
-    this.scene.add(scene);
-    this.frame(scene);
-  }
-
-  /** Whoever has no body is seen whole, and in the middle. */
-  private frame(scene: Object3D): void {
-    const head = scene.getObjectByName("head");
-    const box = head && boxOf(head);
-    if (!box || boxOf(scene).min.y < box.min.y - 0.02) return;
-    const size = box.getSize(new Vector3());
-    const middle = box.getCenter(new Vector3());
-    const away = (ROOM * Math.max(size.y, size.x / SLIM)) / 2 / Math.tan((FIELD * Math.PI) / 360);
-    this.camera.position.set(0, middle.y, box.max.z + away);
-    this.camera.lookAt(0, middle.y, 0);
-  }
-
-  act(acting: Acting): void {
-    for (const { mesh, rows } of this.moved) {
-      const influences = mesh.morphTargetInfluences;
-      if (influences) rows.forEach((from, to) => (influences[to] = acting.weights[from] ?? 0));
-    }
-    this.root?.getObjectByName("head")?.quaternion.set(...acting.head);
-    this.root?.getObjectByName("eye_left")?.quaternion.set(...acting.eyes[0]);
-    this.root?.getObjectByName("eye_right")?.quaternion.set(...acting.eyes[1]);
-    const [x, y, z] = acting.place.map(near) as Acting["place"];
-    this.root?.position.set(this.rest[0] + x, this.rest[1] + y, this.rest[2] + z);
-  }
 }
 
 export class Theatre {
   private readonly renderer: WebGLRenderer;
   private readonly loader = new GLTFLoader();
+  private readonly room: Texture;
   private players: Player[] = [];
   private stale = true;
+  private fine = false;
   private drawn = 0;
-  private pace = 33;
+  private pace = (SLOW + QUICK) / 2;
+  private fence?: WebGLSync;
   private pause = 0;
   private sharpness = 1;
 
   /** `told` is called whenever the canvas shows something new. */
   constructor(
     private readonly canvas: HTMLCanvasElement,
-    private readonly plates: HTMLElement,
+    private readonly cards: HTMLElement,
     private readonly told: () => void,
   ) {
     this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true });
-    this.renderer.toneMapping = ACESFilmicToneMapping;
-    this.renderer.autoClear = false;
+    this.renderer.toneMapping = NeutralToneMapping;
+    this.renderer.shadowMap.enabled = true;
+    this.renderer.shadowMap.type = PCFShadowMap;
+    this.renderer.setScissorTest(true);
+    this.room = room(this.renderer);
     new ResizeObserver(() => this.fit()).observe(canvas.parentElement ?? canvas);
     const draw = (now: number) => {
       requestAnimationFrame(draw);
-      if (!this.stale || now - this.drawn < this.pause) return;
-      this.keepPace(now - this.drawn);
-      this.drawn = now;
-      this.draw();
-      this.told();
+      if (!this.finished(now)) return;
+      if (this.stale && now - this.drawn >= this.pause) this.next(now);
+      else if (!this.stale && !this.fine && now - this.drawn > SETTLED) this.polish();
     };
     requestAnimationFrame(draw);
-  }
-
-  /** Where drawing is slow (no graphics card) the picture gets coarser, and the page some rest. */
-  private keepPace(interval: number): void {
-    this.pace += 0.1 * (Math.min(interval, 400) - this.pace);
-    const slow = this.pace > 70 && this.sharpness > 0.4;
-    const quick = this.pace < 25 && this.sharpness < 1;
-    if (slow || quick) {
-      this.sharpness *= slow ? 0.8 : 1.25;
-      this.pace = 45;
-      this.fit();
-    }
-    this.pause = this.pace > 50 ? 90 : 0;
   }
 
   /** Puts `actors` on stage; those who stay are not loaded again. */
   async set(actors: Actor[]): Promise<void> {
     const kept = new Map(this.players.map((player) => [player.actor.url, player]));
-    const fresh = actors.filter((actor) => !kept.has(actor.url)).map((actor) => new Player(actor));
+    const fresh = actors.filter((actor) => !kept.has(actor.url)).map((actor) => new Player(actor, this.room));
     await Promise.all(fresh.map((player) => player.load(this.loader)));
     for (const player of fresh) kept.set(player.actor.url, player);
     this.players = actors.flatMap((actor) => kept.get(actor.url) ?? []);
@@ -154,19 +92,55 @@ export class Theatre {
     this.stale = true;
   }
 
-  private cells(): { x: number; y: number; w: number; h: number }[] {
-    const { clientWidth: width, clientHeight: height } = this.canvas;
-    const count = this.players.length;
-    const columns = count > 2 && width < 1.4 * height ? 2 : Math.max(count, 1);
-    const rows = Math.ceil(count / columns);
-    // A last row that is not full stands in the middle.
-    const aside = (i: number) => (i >= count - (count % columns) ? ((columns - (count % columns)) * width) / columns / 2 : 0);
-    return this.players.map((_, i) => ({
-      x: ((i % columns) * width) / columns + aside(i),
-      y: (Math.floor(i / columns) * height) / rows,
-      w: width / columns,
-      h: height / rows,
-    }));
+  private next(now: number): void {
+    if (this.fine) this.size(this.sharpness);
+    this.drawn = now;
+    this.fine = this.sharpness === 1;
+    this.draw();
+    const gl = this.renderer.getContext() as WebGL2RenderingContext;
+    this.fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0) ?? undefined;
+    this.told();
+  }
+
+  /** Whether the last picture is on the screen; no other is begun before. */
+  private finished(now: number): boolean {
+    if (!this.fence) return true;
+    const gl = this.renderer.getContext() as WebGL2RenderingContext;
+    if (gl.getSyncParameter(this.fence, gl.SYNC_STATUS) !== gl.SIGNALED) return false;
+    gl.deleteSync(this.fence);
+    this.fence = undefined;
+    this.keepPace(Math.min(now - this.drawn, MOST));
+    return true;
+  }
+
+  /** Where drawing is slow (no graphics card) the picture gets coarser and loses its shadows, and
+   *  the page rests as long as it draws. */
+  private keepPace(took: number): void {
+    this.pace += 0.25 * (took - this.pace);
+    const slow = this.pace > SLOW && this.sharpness > COARSEST;
+    const quick = this.pace < QUICK && this.sharpness < 1;
+    if (slow || quick) {
+      this.sharpness = Math.min(Math.max((quick ? 1.25 : 0.5) * this.sharpness, COARSEST), 1);
+      this.size(this.sharpness);
+      this.stale = true;
+      this.pace = (SLOW + QUICK) / 2;
+    }
+    this.pause = this.pace > SLOW ? this.pace : 0;
+  }
+
+  /** Nothing moves: there is time for a picture as fine as the screen. */
+  private polish(): void {
+    this.fine = true;
+    this.size(1);
+    this.draw();
+  }
+
+  private size(sharpness: number): void {
+    const box = this.canvas.parentElement;
+    const pixels = sharpness * Math.min(devicePixelRatio, 2);
+    if (!box || (pixels === this.renderer.getPixelRatio() && this.canvas.clientWidth === box.clientWidth)) return;
+    this.renderer.setPixelRatio(pixels);
+    this.renderer.setSize(box.clientWidth, box.clientHeight, false);
   }
 
   private fit(): void {
@@ -174,31 +148,32 @@ export class Theatre {
     if (!box) return;
     this.renderer.setPixelRatio(this.sharpness * Math.min(devicePixelRatio, 2));
     this.renderer.setSize(box.clientWidth, box.clientHeight, false);
-    this.plates.replaceChildren(
-      ...this.cells().map((cell, i) => {
-        const plate = document.createElement("span");
-        plate.textContent = this.players[i]?.actor.name ?? "";
-        plate.style.left = `${cell.x + cell.w / 2}px`;
-        plate.style.top = `${cell.y + cell.h - 34}px`;
-        return plate;
-      }),
-    );
+    this.cards.replaceChildren(...this.cells().map((cell, i) => {
+      const card = document.createElement("div");
+      Object.assign(card.style, { left: `${cell.x}px`, top: `${cell.y}px`, width: `${cell.w}px`, height: `${cell.h}px` });
+      const name = document.createElement("span");
+      name.textContent = spoken(this.players[i]?.actor.name ?? "");
+      card.append(name);
+      this.players[i]?.frame(cell.w / cell.h);
+      return card;
+    }));
     this.stale = true;
+  }
+
+  private cells(): Cell[] {
+    return this.players.length ? cells(this.players.length, this.canvas.clientWidth, this.canvas.clientHeight) : [];
   }
 
   private draw(): void {
     this.stale = false;
-    const { clientWidth: width, clientHeight: height } = this.canvas;
-    this.renderer.clear();
+    const height = this.canvas.clientHeight;
     this.cells().forEach((cell, i) => {
       const player = this.players[i];
       if (!player) return;
-      player.camera.aspect = cell.w / cell.h;
-      // A narrow cell keeps the whole face in view.
-      player.camera.fov = FIELD * Math.max(1, SLIM / player.camera.aspect);
-      // Each has a cell, but whoever leans over is not cut off at its border.
-      player.camera.setViewOffset(cell.w, cell.h, -cell.x, -cell.y, width, height);
-      this.renderer.clearDepth();
+      const box = [cell.x, height - cell.y - cell.h, cell.w, cell.h] as const;
+      this.renderer.setViewport(...box);
+      this.renderer.setScissor(...box);
+      player.shade(this.fine);
       this.renderer.render(player.scene, player.camera);
     });
   }

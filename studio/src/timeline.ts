@@ -1,6 +1,6 @@
 // The timeline of a take or a video: played, paused and wound, with its sound, and exported.
 
-import { find } from "./dom";
+import { find, spoken } from "./dom";
 import type { FromPage, StageSet } from "./messages";
 import type { Packet } from "./packet";
 import { Sound } from "./sound";
@@ -8,7 +8,12 @@ import { Sound } from "./sound";
 const PLAY = '<svg viewBox="0 0 16 16"><path d="M4 2.5v11l9-5.5z"/></svg>';
 const PAUSE = '<svg viewBox="0 0 16 16"><path d="M4 2.5h3v11H4zM9 2.5h3v11H9z"/></svg>';
 const LOUD = '<svg viewBox="0 0 16 16"><path d="M2 6v4h2.5L8 13V3L4.5 6zM10 5q2.4 3 0 6M11.7 3.2q4.3 4.8 0 9.6" class="line"/></svg>';
-const KINDS = { glb: "GLB, with morph targets and animation", csv: "the weights as a table", vrma: "a VRM animation" };
+const ACTED = { glb: "with morph targets and animation", csv: "the weights as a table", vrma: "a VRM animation" };
+const TOLD = {
+  mien: ["MIEN", "the performance itself, for mien animate"],
+  csv: ["Live Link", "ARKit's 52 weights, as Live Link Face writes them"],
+  fap: ["FAP", "MPEG-4 facial animation parameters"],
+};
 
 export class Timeline {
   readonly sound = new Sound((there) => { find("hear").hidden = !there; });
@@ -65,21 +70,26 @@ export class Timeline {
   }
 
   private exports(stage: StageSet): void {
-    const box = find("exports");
-    box.hidden = stage.source !== "take";
-    if (box.hidden) return;
     const take = encodeURIComponent(stage.name);
-    const links = stage.actors.map((actor) => {
-      const group = document.createElement("span");
-      group.append(actor.name);
-      for (const [kind, what] of Object.entries(KINDS)) {
-        if (kind === "vrma" && !actor.vrm) continue;
-        group.append(link(`takes/${take}/${encodeURIComponent(actor.name)}.${kind}?session=${stage.session}`, kind.toUpperCase(), `${actor.name}: ${what}`));
-      }
-      return group;
+    find("export").hidden = stage.source !== "take";
+    if (stage.source !== "take") return find("exports").hidePopover();
+    const rows = stage.actors.flatMap((actor) => {
+      const kinds = Object.entries(ACTED).filter(([kind]) => kind !== "vrma" || actor.vrm);
+      const address = `takes/${take}/${encodeURIComponent(actor.name)}`;
+      return row(spoken(actor.name), kinds.map(([kind, what]) => link(`${address}.${kind}?session=${stage.session}`, kind.toUpperCase(), what)));
     });
-    box.replaceChildren("Export", ...links, link(`takes/${take}`, "take", "the performance itself, for mien animate"));
+    const told = Object.entries(TOLD).map(([kind, [text, what]]) => link(`takes/${take}/performance.${kind}`, text!, what!));
+    find("exports").querySelector("dl")!.replaceChildren(...rows, ...row("the performance", told));
+    find("exports").querySelector("p")!.textContent =
+      "Characters as the page shows them: mapping, exaggeration, what is pinned, muted or louder, faces of your own.";
   }
+}
+
+function row(name: string, links: HTMLElement[]): HTMLElement[] {
+  const [term, given] = [document.createElement("dt"), document.createElement("dd")];
+  term.textContent = name;
+  given.append(...links);
+  return [term, given];
 }
 
 function link(address: string, text: string, title: string): HTMLAnchorElement {

@@ -6,8 +6,10 @@ FOLDER holds squashed.glb, a face that nobody finds by looking, squashed.json, w
 points are, and film.mp4.
 """
 
+import base64
 import json
 import math
+import os
 import struct
 import sys
 import time
@@ -16,6 +18,13 @@ from pathlib import Path
 
 from playwright.sync_api import Page, sync_playwright
 
+DROP = """([name, data]) => {
+    const bytes = Uint8Array.from(atob(data), (letter) => letter.charCodeAt(0));
+    const carried = new DataTransfer();
+    carried.items.add(new File([bytes], name));
+    dispatchEvent(new DragEvent("drop", { dataTransfer: carried, cancelable: true }));
+}"""
+"""Lets a file go over the page."""
 HALF_FIELD = math.radians(12.0)
 """Half of the picker's field of view, and ..."""
 AWAY = 2.4
@@ -29,15 +38,29 @@ def weights(page: Page) -> list[float]:
     return found
 
 
-def moving(page: Page, seconds: float) -> float:
-    """The furthest any bar moves in that time."""
+def moving(page: Page, far: float) -> float:
+    """The furthest any bar has moved, once that is ``far``, or after ten seconds."""
     first = weights(page)
-    furthest = 0.0
-    for _ in range(int(seconds / 0.25)):
-        time.sleep(0.25)
+    furthest, end = 0.0, time.monotonic() + 10.0
+    while furthest < far and time.monotonic() < end:
+        page.wait_for_timeout(50.0)
         changes = [abs(a - b) for a, b in zip(first, weights(page), strict=True)]
         furthest = max(furthest, *changes)
     return furthest
+
+
+def until(true: Callable[[], bool]) -> None:
+    """Waits; the page's own rules let nobody evaluate in it again and again."""
+    end = time.monotonic() + 60.0
+    while not true():
+        assert time.monotonic() < end, "never came"
+        time.sleep(0.05)
+
+
+def picture(page: Page, name: str) -> None:
+    """A picture of the page, for those who name a folder to look at them."""
+    if "MIEN_PICTURES" in os.environ:
+        page.screenshot(path=Path(os.environ["MIEN_PICTURES"], f"{name}.png"))
 
 
 def place(page: Page) -> float:
@@ -84,16 +107,29 @@ def points_on_page(
     return found
 
 
+def open_page(page: Page, folder: Path) -> dict[str, object]:
+    """Whoever opens the page sees the sample act."""
+    page.wait_for_selector("#state[data-state=following]")
+    picture(page, "open")
+    return {"first": page.evaluate("document.body.dataset.source")}
+
+
 def perform(page: Page, folder: Path) -> dict[str, object]:
-    """The camera moves the characters."""
-    page.screenshot(path=folder / "open.png")
+    """The camera moves the characters; weights are pinned and let go."""
     page.click("#camera")
+    page.wait_for_selector("body[data-source=camera]")
     page.wait_for_selector("#state[data-state=following]")
     stage = page.locator("#theatre")
     before = stage.screenshot()
-    moved = moving(page, 4.0)
-    page.screenshot(path=folder / "camera.png")
+    moved = moving(page, 0.3)
+    picture(page, "camera")
     late = page.evaluate("performance.getEntriesByName('camera to canvas').map(e => e.duration)")
+    page.locator(".bar input").first.fill("0.5")
+    until(lambda: weights(page)[0] == 0.5)
+    page.locator(".bar .mute").nth(1).click()
+    picture(page, "pinned")
+    page.click("#letgo")
+    until(lambda: weights(page)[0] != 0.5)
     return {
         "weights_moved": moved,
         "canvas_changed": stage.screenshot() != before,
@@ -109,7 +145,7 @@ def hold(page: Page, folder: Path) -> dict[str, object]:
         page.keyboard.press("e")
         if said(page) != "refused":
             break
-    page.screenshot(path=folder / "held.png")
+    picture(page, "held")
     learnt = page.locator("#faces em").count()
     kept = got(page, "#keep", folder / "me.performer")
     page.click("#forget")
@@ -127,37 +163,51 @@ def record(page: Page, folder: Path) -> dict[str, object]:
     page.click("#microphone")
     page.click("#record")
     page.wait_for_selector("#record[aria-pressed=true]")
-    time.sleep(2.0)
+    page.wait_for_timeout(1500.0)
     with page.expect_response(lambda answer: answer.url.endswith("/sound")):
         page.click("#record")
     page.wait_for_selector("#record[aria-pressed=false]")
     page.click("#takes button")
     page.wait_for_selector("#timeline:not([hidden])")
     page.wait_for_selector("#hear:not([hidden])")
-    page.wait_for_function("Number(document.getElementById('place').value) > 0.3")
+    until(lambda: place(page) > 0.1)
     page.click("#play")
-    time.sleep(0.6)
+    page.wait_for_timeout(400.0)
     stopped = place(page)
-    time.sleep(0.4)
+    page.wait_for_timeout(300.0)
     still = place(page) == stopped
     page.evaluate(
-        "const slider = document.getElementById('place'); slider.value = 1;"
+        "const slider = document.getElementById('place'); slider.value = 0.8;"
         "slider.dispatchEvent(new Event('input'))"
     )
-    time.sleep(0.8)
+    page.wait_for_timeout(500.0)
     wound = place(page)
     page.keyboard.press("t")
-    page.screenshot(path=folder / "take_dark.png")
+    page.keyboard.press("x")
+    picture(page, "take_dark")
     export = got(page, "#exports a:text('GLB')", folder / "export.glb")
     table = got(page, "#exports a:text('CSV')", folder / "export.csv")
-    return {"still": still, "wound": wound, "export": export, "table": table}
+    told = got(page, "#exports a:text('Live Link')", folder / "told.csv")
+    page.keyboard.press("x")
+    return {"still": still, "wound": wound, "export": export, "table": table, "told": told}
 
 
 def bring(page: Page, folder: Path) -> dict[str, object]:
-    """A video plays with its sound; a character whose face is not found is pointed at, and acts."""
-    chosen(page, "#video-file", folder / "film.mp4")
+    """Somebody's take plays, and a video with its sound, which is let go over the page."""
+    chosen(page, "#open", folder / "told.csv")
+    page.wait_for_selector("#takes button:text('told')")
+    take = moving(page, 0.02)
+    picture(page, "take_brought")
+    film = base64.b64encode((folder / "film.mp4").read_bytes()).decode()
+    page.evaluate(DROP, ["film.mp4", film])
+    page.wait_for_selector("body[data-source=video]")
     page.wait_for_selector("#state[data-state=following]")
     page.wait_for_selector("#hear:not([hidden])")
+    return {"take_moved": take}
+
+
+def point(page: Page, folder: Path) -> dict[str, object]:
+    """A character whose face is not found is pointed at, and acts."""
     with page.expect_response(lambda answer: "/models/" in answer.url) as answer:
         chosen(page, "#cast .add", folder / "squashed.glb")
     page.wait_for_selector("#picking[open]")
@@ -167,29 +217,32 @@ def bring(page: Page, folder: Path) -> dict[str, object]:
         page.mouse.click(x, y)
     page.keyboard.press("z")
     page.mouse.click(x, y)
-    page.screenshot(path=folder / "picked.png")
+    picture(page, "picked")
     page.click("#pickDone")
     page.wait_for_selector("#plates span:text('squashed')")
     page.select_option("#actor", "squashed")
-    moved = moving(page, 4.0)
-    page.screenshot(path=folder / "brought.png")
-    return {"guest_moved": moved, "points": page.url + "points/squashed.toml"}
+    moved = moving(page, 0.1)
+    picture(page, "brought")
+    return {"guest_moved": moved}
 
 
 def without_camera(page: Page, folder: Path) -> dict[str, object]:
-    """A camera that may not be used is told, and nothing breaks."""
+    """A camera that may not be used is told, and the sample plays."""
     page.evaluate("() => { navigator.mediaDevices.getUserMedia = () => Promise.reject(Error()); }")
     page.click("#camera")
     page.wait_for_selector("#notes .error")
-    page.screenshot(path=folder / "no_camera.png")
-    return {"told": page.locator("#notes .error").last.text_content()}
+    page.wait_for_selector("body[data-source=sample]")
+    picture(page, "no_camera")
+    return {"told_of_camera": page.locator("#notes .error").last.text_content()}
 
 
 STEPS: tuple[Callable[[Page, Path], dict[str, object]], ...] = (
+    open_page,
     perform,
     hold,
     record,
     bring,
+    point,
     without_camera,
 )
 

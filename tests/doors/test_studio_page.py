@@ -21,6 +21,7 @@ from foreign import VALIDATOR, issues
 from guests import edited, guest, write_guest
 from mien.formats.performer_file import read_performer
 from mien.formats.pictures.sources import open_source
+from mien.recipe import load_performance
 from mien.rig.picks import read_picks
 
 HERE = Path(__file__).parent
@@ -102,10 +103,12 @@ def test_the_page_as_a_person_uses_it(folder: Path, address: str) -> None:
         timeout=400,
         check=False,
     )
-    assert run.returncode == 0, run.stderr
+    print(run.stderr)  # how long each step took
+    assert run.returncode == 0
     seen = json.loads(run.stdout)
     assert seen["errors"] == []
     assert seen["foreign"] == []
+    assert seen["first"] == "sample"
     assert seen["weights_moved"] > 0.3
     assert seen["canvas_changed"]
     assert seen["late_ms"]
@@ -114,17 +117,20 @@ def test_the_page_as_a_person_uses_it(folder: Path, address: str) -> None:
     assert seen["learnt"] == seen["met"] == 1
     assert len(read_performer(Path(seen["performer"])).held) == 1
     assert seen["still"]
-    assert seen["wound"] == 1.0
+    assert seen["wound"] == 0.8
     assert Path(seen["export"]).read_bytes()[:4] == b"glTF"
     if VALIDATOR.exists():
         assert issues(Path(seen["export"])) == []
     assert Path(seen["table"]).read_text().startswith("time")
+    assert len(load_performance(seen["told"])) > 10
+    assert seen["take_moved"] > 0.02
     assert seen["guest_moved"] > 0.1
     picks = read_picks(folder / "shelf" / "squashed.toml")
     wanted = json.loads((folder / "squashed.json").read_text())
     missed = [np.linalg.norm(picks[fdp] - place) for fdp, place in zip(ORDER, wanted, strict=True)]
     assert np.median(missed) < 2e-3
-    assert "no camera" in seen["told"]
+    assert "No camera" in seen["told_of_camera"]
+    assert (folder / "shelf" / "told.mien").exists()
     (sound,) = (folder / "shelf").glob("*.wav")
     with wave.open(str(sound)) as file:
-        assert file.getnframes() > file.getframerate()
+        assert file.getnframes() > file.getframerate() / 2

@@ -10,9 +10,10 @@ import pytest
 pytest.importorskip("starlette", reason="the extra 'studio' is not installed")
 
 from actors import FACE_ON, built_in, shown
-from mien.live.studio.coach import Coach, in_words
+from mien.live.studio.coach import Coach, in_words, key_poses, known_faces
 from mien.live.studio.messages import Hold, Learnt
 from mien.performance.performance import Performance
+from mien.performance.performer import Performer
 
 NAMES = built_in("woman").examples
 
@@ -71,6 +72,19 @@ def test_nobody_waits_for_a_face_that_does_not_come() -> None:
     assert not coach.see(0.0, None)
     assert coach.see(60.0, None)
     assert coach.judge("landmarks").quality == "refused"
+
+
+def test_key_poses_go_both_ways_between_page_and_calibration() -> None:
+    coach = Coach()
+    held(coach, face("smile"), "smile")
+    held(coach, face("surprise"), "surprise", who="man")
+    poses = key_poses(coach.faces)
+    assert list(poses) == ["landmarks/smile"]
+    (met,) = known_faces(Performer(poses=poses))
+    assert (met.capture, met.character, met.pose) == ("landmarks", "", {"smile": 1.0})
+    np.testing.assert_array_equal(met.motion, coach.faces[0].motion)
+    kept = Performer(poses=poses, held=tuple(coach.faces))
+    assert known_faces(kept) == coach.faces
 
 
 def test_poses_in_words() -> None:

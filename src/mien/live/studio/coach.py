@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from mien.live.studio.messages import Face, Hold, Learnt
 from mien.mapping.lids import SCALARS
 from mien.performance.performance import Performance
-from mien.performance.performer import HeldFace
+from mien.performance.performer import HeldFace, Performer
 
 HELD = 0.6
 """Seconds for which a face is held."""
@@ -27,6 +27,8 @@ _TREMBLE = 0.35
 _SAME = 1.0
 """Standard errors, root mean square, within which a held face takes the place of another."""
 MOST = 64
+_FACE_ON = np.array([0.0, 0.0, 1.0])
+"""What a camera before a face does not see."""
 
 Array = NDArray[np.float64]
 
@@ -117,6 +119,27 @@ class Coach:
 
         kept = [other for other in self.faces if not replaced(other)]
         self.faces = [*kept, face][-MOST:]
+
+
+def known_faces(performer: Performer) -> list[HeldFace]:
+    """The faces a performer has held, those of 'mien calibrate' too: its key poses stand for the
+    key models of their names, for everybody."""
+    held = list(performer.held)
+    there = {(face.capture, *face.pose) for face in held if not face.character}
+    for name, motion in performer.poses.items():
+        capture, _, pose = name.partition("/")
+        if (capture, pose) not in there:
+            held.append(HeldFace(capture, "", {pose: 1.0}, motion, _FACE_ON, np.zeros(2)))
+    return held
+
+
+def key_poses(faces: Sequence[HeldFace]) -> dict[str, Array]:
+    """Those that stand for one key model, for everybody, as 'mien calibrate' keeps them."""
+    return {
+        f"{face.capture}/{next(iter(face.pose))}": face.motion
+        for face in faces
+        if not face.character and list(face.pose.values()) == [1.0]
+    }
 
 
 def in_words(pose: Mapping[str, float]) -> str:

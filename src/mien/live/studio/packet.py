@@ -28,12 +28,12 @@ import numpy as np
 
 from mien.numeric.rotation import from_gaze, to_quaternion
 from mien.performance.curves import Curves
+from mien.performance.performance import Performance
 from mien.performance.trace import Trace
 
 MAGIC, VERSION = b"MIEN", 1
 STATES = ("waiting", "following", "lost")
 _METRES = 1e-3
-
 _FIELD = 230.0
 """Millimetres from one border to the other where a performance without pictures is shown."""
 
@@ -53,6 +53,7 @@ class Answer:
         """The message, as late as it is now."""
         late = 1e3 * (perf_counter() - self.at)
         return packet([moment(self.time, late, self.state), *self.sections])
+
 
 def packet(sections: list[tuple[str, bytes]]) -> bytes:
     """One message of named sections."""
@@ -99,6 +100,15 @@ def traced(trace: Trace, size: tuple[int, int]) -> list[tuple[str, bytes]]:
     for tag, places in tagged:
         sections.append((tag, (places / np.array(size)).astype("<f4").tobytes()))
     return sections
+
+
+def posed(performance: Performance) -> tuple[str, bytes]:
+    """The points of a performance of one frame that has no pictures, as somebody sees them who
+    faces the performer."""
+    middle = (performance.neutral.min(axis=0) + performance.neutral.max(axis=0)) / 2.0
+    rotation, _ = performance.head()
+    places = (performance.neutral - middle + performance.motion[0]) @ rotation[0].T
+    return "PNTS", (0.5 + places[:, :2] * (1.0, -1.0) / _FIELD).astype("<f4").tobytes()
 
 
 def character(number: int, curves: Curves, names: Sequence[str]) -> tuple[str, bytes]:

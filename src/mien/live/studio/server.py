@@ -10,10 +10,12 @@ PUT  /videos/NAME            keep an uploaded video
 GET  /videos/NAME            its sound, for the page to play
 PUT  /performers/NAME        bring what is known of a performer
 GET  /performers/NAME        ... and take it along
-GET  /takes/NAME             a recorded take
+PUT  /takes/NAME             bring a take: Live Link CSV, FAP, C3D, TRC, or one of mien's own
+GET  /takes/NAME             a take
 PUT  /takes/NAME/sound       what was heard while it was recorded
 GET  /takes/NAME/sound
-GET  /takes/NAME/NAME.KIND   the take acted by a character, as GLB or a table
+GET  /takes/NAME/NAME.KIND   the take acted by a character: GLB, a table, VRMA
+GET  /takes/NAME/performance.KIND  the take itself, as others' tools read it
 WS   /live                   messages as JSON, pictures in and frames out as bytes
 """
 
@@ -40,13 +42,14 @@ from starlette.staticfiles import StaticFiles
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from mien.errors import InputError, MienError
-from mien.formats.save import save
+from mien.formats.save import FOLDERS, SAVERS, save
 from mien.live.studio.admission import admit, as_it_is
 from mien.live.studio.messages import Note, Told, decode, encode
+from mien.live.studio.packet import Answer
 from mien.live.studio.safety import Guard, Rules
 from mien.live.studio.session import Session
-from mien.live.studio.packet import Answer
 from mien.live.studio.shelf import (
+    BROUGHT,
     MODELS,
     PERFORMERS,
     POINTS,
@@ -58,7 +61,7 @@ from mien.live.studio.shelf import (
 )
 from mien.live.studio.troupe import Troupe
 from mien.performance.performer import Performer
-from mien.recipe import animate
+from mien.recipe import WRITERS, animate, save_performance
 
 PAGE = Path(__file__).with_name("page")
 """What Vite built."""
@@ -66,7 +69,7 @@ MOST_PAGES = 4
 _MOST_WAITING = 64
 """Messages that wait for a page that does not read; frames never wait."""
 _LARGEST_NOTE = 1 << 16
-EXPORTS = frozenset((".glb", ".csv", ".vrma"))
+EXPORTS = SAVERS.keys() - FOLDERS
 
 Handler = Callable[[Request], Awaitable[Response]]
 Picks = Mapping[str, Sequence[float]]
@@ -91,7 +94,9 @@ def studio(
         Route("/performers/{file}", server.download(PERFORMERS)),
         Route("/takes/{take}/sound", server.keep_sound, methods=put),
         Route("/takes/{take}/sound", server.sound),
+        Route("/takes/{take}/performance.{kind}", server.told),
         Route("/takes/{take}/{name}.{kind}", server.acted),
+        Route("/takes/{file}", server.bring_take, methods=put),
         Route("/takes/{file}", server.download(TAKES)),
         WebSocketRoute("/live", server.live),
     ]
@@ -172,6 +177,12 @@ class _Server:
 
         return hand
 
+    async def bring_take(self, request: Request) -> Response:
+        """Somebody's take."""
+        path = await self._shelf.keep(request.path_params["file"], BROUGHT, request.stream())
+        name = await run_in_threadpool(self._shelf.admit, path.name)
+        return JSONResponse({"name": name})
+
     async def keep_sound(self, request: Request) -> Response:
         """What was heard during a take."""
         path = self._shelf.sound(request.path_params["take"])
@@ -192,19 +203,23 @@ class _Server:
             raise HTTPException(404)
         session = self._sessions.get(request.query_params.get("session", ""))
         path = await run_in_threadpool(self._act, take, name, kind, session)
-        return FileResponse(
-            path,
-            filename=f"{Path(take).stem} {name}.{kind}",
-            background=BackgroundTask(path.unlink, missing_ok=True),
-        )
+        return _handed(path, f"{Path(take).stem} {name}{path.suffix}")
 
     def _act(self, take: str, name: str, kind: str, session: Session | None) -> Path:
         performance, character = self._shelf.take(take), self._troupe.character(name)
         act = session.act if session is not None else animate
         curves = act(performance, character)
-        with tempfile.NamedTemporaryFile(suffix=f".{kind}", delete=False) as file:
-            path = Path(file.name)
-        return save(curves, path, character)
+        return save(curves, _temporary(kind), character)
+
+    async def told(self, request: Request) -> Response:
+        """A take itself, in a file of another kind."""
+        take, kind = request.path_params["take"], request.path_params["kind"]
+        if f".{kind}" not in WRITERS:
+            raise HTTPException(404)
+        path = _temporary(kind)
+        performance = await run_in_threadpool(self._shelf.take, take)
+        await run_in_threadpool(save_performance, performance, path)
+        return _handed(path, f"{Path(take).stem}.{kind}")
 
     async def live(self, socket: WebSocket) -> None:
         """One page's socket."""
@@ -225,6 +240,17 @@ class _Server:
             del self._sessions[session.name]
             with suppress(RuntimeError, WebSocketDisconnect):
                 await socket.close()
+
+
+def _temporary(kind: str) -> Path:
+    with tempfile.NamedTemporaryFile(suffix=f".{kind}", delete=False) as file:
+        return Path(file.name)
+
+
+def _handed(path: Path, name: str) -> Response:
+    """A file that goes once it is sent."""
+    gone = BackgroundTask(path.unlink, missing_ok=True)
+    return FileResponse(path, filename=name, background=gone)
 
 
 async def _listen(socket: WebSocket, session: Session, outbox: _Outbox) -> None:

@@ -21,7 +21,7 @@ from mien.formats.performer_file import read_performer, write_performer
 from mien.live.stage import Moment, Stage
 from mien.live.studio import packet
 from mien.live.studio.adjust import Desk
-from mien.live.studio.coach import HELD, Coach
+from mien.live.studio.coach import HELD, Coach, key_poses, known_faces
 from mien.live.studio.keeping import Keeping
 from mien.live.studio.memory import give_back
 from mien.live.studio.messages import (
@@ -50,7 +50,7 @@ from mien.performance.curves import Curves
 from mien.performance.frame import Frame
 from mien.performance.performance import Performance
 from mien.performance.performer import Performer
-from mien.recipe import animate
+from mien.recipe import animate, moving
 
 MOST_ON_STAGE = 4
 LARGEST_PICTURE = 4 * 2**20
@@ -81,7 +81,7 @@ class Session:
         self._stage = Stage()
         self._desk = Desk()
         self._performer = performer or Performer()
-        self._coach = Coach(list(self._performer.held))
+        self._coach = Coach(known_faces(self._performer))
         self._keeping: Keeping | None = None
         self._messages: Queue[Message] = Queue(_WAITING)
         self._stop = Event()
@@ -202,6 +202,7 @@ class Session:
             replace(
                 self._performer,
                 landmarks=landmark_section(known) if known else self._performer.landmarks,
+                poses=key_poses(self._coach.faces),
                 held=tuple(self._coach.faces),
                 source=self._performer.source or "mien studio",
             ),
@@ -216,7 +217,7 @@ class Session:
             if message.name
             else Performer()
         )
-        self._coach = Coach(list(self._performer.held))
+        self._coach = Coach(known_faces(self._performer))
         self._forget_stepper()
         self._set_stage()
 
@@ -254,7 +255,7 @@ class Session:
         if look.source == "video":
             return Film(self._shelf.there(look.name, VIDEOS), self._way.mirror)
         if look.source == "take":
-            return Tape(self._shelf.take(look.name))
+            return Tape(moving(self._shelf.take(look.name)))
         return None
 
     def _look_away(self) -> None:
@@ -383,6 +384,8 @@ class Session:
         if isinstance(arrived.item, Frame) and self._stepper is not None:
             height, width = arrived.item.image.shape[:2]
             sections += packet.traced(self._stepper.trace, (width, height))
+        elif isinstance(arrived.item, Performance):
+            sections.append(packet.posed(arrived.item))
         if self._coach.task is not None:
             sections.append(packet.holding(self._coach.share))
         if arrived.shown:

@@ -7,10 +7,11 @@ from collections.abc import AsyncIterator
 from datetime import datetime
 from pathlib import Path
 
-from mien.errors import InputError, OutputError
+from mien.errors import InputError, MienError, OutputError
 from mien.formats.atomic import whole_file
-from mien.formats.takes.recording import read_recording
+from mien.formats.markers.file import holds_markers
 from mien.performance.performance import Performance
+from mien.recipe import capture_markers, load_performance, save_performance
 
 LARGEST_VIDEO = 2 * 2**30
 LARGEST_FILE = 256 * 2**20
@@ -20,7 +21,9 @@ _NAME = re.compile(r"[\w][\w .()+-]{0,99}", re.ASCII)
 Kind = frozenset[str]
 """Endings of files that may stand for each other."""
 VIDEOS = frozenset((".mp4", ".mov", ".m4v", ".webm", ".mkv", ".avi"))
-TAKES = frozenset((".take",))
+TAKES = frozenset((".take", ".mien"))
+BROUGHT = TAKES | {".csv", ".fap", ".c3d", ".trc"}
+"""Takes as somebody else's tools write them."""
 SOUNDS = frozenset((".wav",))
 PERFORMERS = frozenset((".performer",))
 MODELS = frozenset((".glb", ".gltf", ".vrm", ".obj", ".zip"))
@@ -74,8 +77,24 @@ class Shelf:
         return path
 
     def take(self, name: str) -> Performance:
-        """A recorded take. Raises InputError, FormatError."""
-        return read_recording(self.there(name, TAKES))
+        """A take. Raises InputError, FormatError."""
+        return load_performance(self.there(name, TAKES))
+
+    def admit(self, name: str) -> str:
+        """What a take that was brought is called from now on; one that cannot be read goes.
+        Raises InputError, FormatError."""
+        path = self.there(name, BROUGHT)
+        try:
+            take = capture_markers(path)[0] if holds_markers(path) else load_performance(path)
+        except MienError as error:
+            path.unlink()
+            raise type(error)(str(error).replace(str(path), name)) from error
+        if path.suffix.lower() in TAKES:
+            return path.name
+        kept = path.with_suffix(".mien")
+        save_performance(take, kept)
+        path.unlink()
+        return kept.name
 
     def new_take(self) -> Path:
         """Where the next recording goes."""
