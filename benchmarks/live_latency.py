@@ -34,7 +34,7 @@ from mien.capture.detector import Detector
 from mien.formats.pictures.sources import open_source
 from mien.live.studio import packet
 from report import show
-from socket_page import Page, running_studio
+from socket_page import Page, Studio, running_studio
 
 SIZE, RATE = (640, 480), 30.0
 SETTLING = 1.0
@@ -119,29 +119,37 @@ class Run:
 
 
 def live(pictures: Sequence[bytes], capture: str, characters: list[str], seconds: float) -> Run:
+    """``acted`` in a studio of its own."""
+    with tempfile.TemporaryDirectory() as folder, running_studio(Path(folder)) as studio:
+        return acted(studio, pictures, capture, characters, seconds)
+
+
+def acted(
+    studio: Studio, pictures: Sequence[bytes], capture: str, characters: list[str], seconds: float
+) -> Run:
     """Send ``pictures`` in real time, over and over, until weights have come for ``seconds``."""
     run = Run()
-    way = {"kind": "Way", "capture": capture, "mapping": "cardinal", "gain": 1.0, "mirror": False}
-    with tempfile.TemporaryDirectory() as folder, running_studio(Path(folder)) as studio:
-        page = Page(studio.port)
-        page.say(way)
-        page.say({"kind": "Look", "source": "camera", "name": ""})
-        page.say({"kind": "Cast", "characters": characters})
-        listening = threading.Thread(target=_listen, args=(page, run), daemon=True)
-        listening.start()
-        start = time.perf_counter()
-        for number in count():
-            time.sleep(max(start + number / RATE - time.perf_counter(), 0.0))
-            now = time.perf_counter()
-            if now > run.begin + seconds:
-                break
-            if run.begin == inf and now > start + PATIENCE:
-                raise SystemExit("no weights came")
-            run.sent += now >= run.begin
-            page.show(struct.pack("<d", now) + pictures[number % len(pictures)])
-        time.sleep(0.5)
-        page.go()
-        listening.join(10)
+    page = Page(studio.port)
+    page.say(
+        {"kind": "Way", "capture": capture, "mapping": "cardinal", "gain": 1.0, "mirror": False}
+    )
+    page.say({"kind": "Look", "source": "camera", "name": ""})
+    page.say({"kind": "Cast", "characters": characters})
+    listening = threading.Thread(target=_listen, args=(page, run), daemon=True)
+    listening.start()
+    start = time.perf_counter()
+    for number in count():
+        time.sleep(max(start + number / RATE - time.perf_counter(), 0.0))
+        now = time.perf_counter()
+        if now > run.begin + seconds:
+            break
+        if run.begin == inf and now > start + PATIENCE:
+            raise SystemExit("no weights came")
+        run.sent += now >= run.begin
+        page.show(struct.pack("<d", now) + pictures[number % len(pictures)])
+    time.sleep(0.5)
+    page.go()
+    listening.join(10)
     run.rate = len(run.server) / seconds
     return run
 
