@@ -34,7 +34,7 @@ from mien.performance.trace import Trace
 MAGIC, VERSION = b"MIEN", 1
 STATES = ("waiting", "following", "lost")
 _METRES = 1e-3
-_FIELD = 230.0
+_FIELD = 270.0
 """Millimetres from one border to the other where a performance without pictures is shown."""
 
 
