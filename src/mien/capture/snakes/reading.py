@@ -43,6 +43,8 @@ _WINDOW = 0.5
 """Seconds for which a face rests when it rests."""
 PUPIL_RADIUS = 12.0 / MM
 """Patch units from the centre of an eyeball to its pupil."""
+_FARTHEST_LOOK = np.sin(np.radians(35.0))
+"""Eyes turn no farther before the head does: what looks farther is a lash or a shadow."""
 EYES_DEPTH = 12.0
 """mm the corners of the eyes lie in front of the head's origin."""
 
@@ -191,4 +193,4 @@ def _towards(ray: Array) -> Array:
 def _raw_gaze(track: CurveTrack) -> Array:
     """(F, 2, 2) yaw (+ left) and pitch (+ up) of the left and right eye, from an unknown rest."""
     aside = track.irises * np.array([1.0, -1.0]) / PUPIL_RADIUS
-    return np.asarray(np.arcsin(np.clip(aside, -0.95, 0.95)))
+    return np.asarray(np.arcsin(np.clip(aside, -_FARTHEST_LOOK, _FARTHEST_LOOK)))
