@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import asyncio
 import json
+import socket
 import struct
 import sys
 import time
@@ -19,6 +21,7 @@ pytest.importorskip("starlette", reason="the extra 'studio' is not installed")
 from starlette.testclient import TestClient, WebSocketTestSession
 from starlette.websockets import WebSocketDisconnect
 
+from mien.cli.studio import _bound
 from mien.errors import InputError
 from mien.face.library import load_character
 from mien.formats.pictures.jpeg import encode_jpeg
@@ -257,6 +260,25 @@ def test_uploads_are_kept_whole_or_not_at_all(
     assert client.put("/videos/b.mp4", content=b"film" * 10).status_code == 400
     assert client.put("/characters/b.glb", content=b"film" * 4).status_code == 400
     assert [path.name for path in shelf.folder.iterdir()] == ["a.mp4"]
+
+
+def test_small_messages_go_at_once() -> None:
+    """Otherwise weights wait until a page has acknowledged the last ones."""
+
+    async def delayed() -> bool:
+        answered: list[socket.socket] = []
+        door = _bound("127.0.0.1", 0)
+        server = await asyncio.start_server(
+            lambda _, writer: answered.append(writer.get_extra_info("socket")), sock=door
+        )
+        async with server:
+            _, writer = await asyncio.open_connection(*door.getsockname())
+            while not answered:
+                await asyncio.sleep(0.01)
+            writer.close()
+            return not answered[0].getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY)
+
+    assert not asyncio.run(delayed())
 
 
 def test_there_is_room_for_a_few_pages(client: TestClient) -> None:
