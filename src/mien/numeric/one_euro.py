@@ -56,7 +56,7 @@ def filter_forward(
         start = values[0]
         memory = Memory(float(time[0]), start, np.zeros_like(start), start)
     slope, result = memory.slope.copy(), memory.result.copy()
-    steps = np.maximum(np.diff(time, prepend=memory.time), _SHORTEST)
+    steps = np.maximum(time - np.concatenate([[memory.time], time[:-1]]), _SHORTEST)
     filtered = _run(
         values, steps, memory.value, slope, result, setting.cutoff, setting.beta,
         setting.slope_cutoff,
