@@ -16,6 +16,7 @@ export class Performer {
   private readonly shutter = document.createElement("canvas");
   private stream?: MediaStream;
   private shown?: string;
+  private sized: [number, number] = [0, 0];
 
   constructor(private readonly send: (time: number, picture: ArrayBuffer) => void) {}
 
@@ -75,18 +76,25 @@ export class Performer {
     line.lastElementChild!.textContent = late;
   }
 
+  /** Width and height of what is shown; a take without pictures shows its points in a square. */
+  private size(packet: Packet): [number, number] {
+    if (this.stream) return [this.video.videoWidth, this.video.videoHeight];
+    if (!packet.picture) return [1, 1];
+    // A picture that is not decoded yet is as large as the one before.
+    if (this.picture.naturalWidth) this.sized = [this.picture.naturalWidth, this.picture.naturalHeight];
+    return this.sized;
+  }
+
   private draw(packet: Packet): void {
-    const source = this.stream ? this.video : this.picture;
-    // A take without pictures shows its points in a square.
-    const width = source instanceof HTMLVideoElement ? source.videoWidth : packet.picture ? source.naturalWidth : 1;
-    const height = source instanceof HTMLVideoElement ? source.videoHeight : packet.picture ? source.naturalHeight : 1;
+    const [width, height] = this.size(packet);
+    if (!width || !height) return;
     const canvas = this.overlay;
-    if (width && height) canvas.parentElement!.style.aspectRatio = String(Math.min(Math.max(width / height, SLIM), BROAD));
+    canvas.parentElement!.style.aspectRatio = String(Math.min(Math.max(width / height, SLIM), BROAD));
     const pixels = Math.min(devicePixelRatio, 2);
     canvas.width = canvas.clientWidth * pixels;
     canvas.height = canvas.clientHeight * pixels;
     const pen = canvas.getContext("2d");
-    if (!pen || !width || !height) return;
+    if (!pen) return;
     const scale = Math.min(canvas.width / width, canvas.height / height);
     const x = (share = 0) => (canvas.width - width * scale) / 2 + share * width * scale;
     const y = (share = 0) => (canvas.height - height * scale) / 2 + share * height * scale;
