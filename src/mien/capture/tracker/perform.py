@@ -25,7 +25,7 @@ from mien.performance.performance import Performance
 
 Array = NDArray[np.float64]
 
-LANDMARKS = by_region(lips=1.15, lids=0.3, brows=1.2, cheeks=0.55, nose=0.15, chin=0.4, corners=0.3)
+LANDMARKS = by_region(lips=1.15, lids=0.3, brows=1.1, cheeks=0.55, nose=0.15, chin=0.4, corners=0.3)
 SKIN = by_region(lips=0.0, lids=0.5, brows=0.6, cheeks=0.4, nose=1.3, chin=0.8, corners=0.5)
 """(P,) what a point's motion owes to its landmark, and to the tracked surface. Lips have edges that
 the network knows; nose and chin are skin, of which it tells little (see
