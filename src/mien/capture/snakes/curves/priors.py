@@ -27,7 +27,7 @@ _STRANGER = 0.1
 """How much less the shape of everybody's brow is trusted than the performer's own."""
 _NOSTRIL_SHAPE, _NOSTRIL_PLACE = 0.002, 0.002
 """A nostril keeps its shape, and its place on a nose that hardly moves."""
-_LIPS = 0.00002
+_LIPS = 0.00004
 """Lips stay where they were, but hardly: a mouth opens within a few frames."""
 _LIP_CORNERS = 0.002
 """The mouth's corners stay about as far up between the lips as they are at rest."""
