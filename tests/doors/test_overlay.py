@@ -15,8 +15,8 @@ from mien.formats.pictures.sources import open_source
 from mien.performance.trace import Trace
 from mien.recipe import load_performance
 from mien.view.camera import Camera
-from mien.view.renderer import Renderer
 from mien.view.overlay import overlay
+from mien.view.renderer import Renderer
 
 
 def test_curves_are_drawn_where_they_are() -> None:
