@@ -17,6 +17,10 @@ const AIR = 0.1;
 const LEASH = 0.05;
 const near = (step: number) => LEASH * Math.tanh(step / LEASH);
 
+/** A weight that nobody sees costs as much to draw as any other. */
+const UNSEEN = 2e-3;
+const felt = (weight = 0) => (Math.abs(weight) < UNSEEN ? 0 : weight);
+
 /** Rows of the weights that move each mesh, in the mesh's own order. */
 interface Moved { mesh: Mesh; rows: number[] }
 
@@ -88,7 +92,7 @@ export class Player {
   act(acting: Acting): void {
     for (const { mesh, rows } of this.moved) {
       const influences = mesh.morphTargetInfluences;
-      if (influences) rows.forEach((from, to) => (influences[to] = acting.weights[from] ?? 0));
+      if (influences) rows.forEach((from, to) => (influences[to] = felt(acting.weights[from])));
     }
     this.root?.getObjectByName("head")?.quaternion.set(...acting.head);
     this.root?.getObjectByName("eye_left")?.quaternion.set(...acting.eyes[0]);

@@ -13,13 +13,22 @@ const GAP = 10;
 /** Width over height of a card that a portrait just fills. */
 const PORTRAIT = 0.8;
 /** Milliseconds after which what does not move is drawn as finely as can be. */
-const SETTLED = 400;
+const SETTLED = 1200;
 /** Milliseconds a picture that are slow, or quick, and that count at most. */
 const SLOW = 60;
 const QUICK = 20;
 const MOST = 400;
 /** Pixels drawn for one of the screen's, at least. */
 const COARSEST = 0.4;
+
+/** Whether pictures are drawn without a graphics card. */
+function unaided(): boolean {
+  const gl = document.createElement("canvas").getContext("webgl2");
+  const told = gl?.getExtension("WEBGL_debug_renderer_info");
+  const name = gl && told ? String(gl.getParameter(told.UNMASKED_RENDERER_WEBGL)) : "";
+  gl?.getExtension("WEBGL_lose_context")?.loseContext();
+  return /swiftshader|llvmpipe|software/i.test(name);
+}
 
 interface Cell { x: number; y: number; w: number; h: number }
 
@@ -61,7 +70,9 @@ export class Theatre {
     private readonly cards: HTMLElement,
     private readonly told: () => void,
   ) {
-    this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true });
+    const slow = unaided();
+    if (slow) this.sharpness = COARSEST;
+    this.renderer = new WebGLRenderer({ canvas, antialias: !slow, alpha: true });
     this.renderer.toneMapping = NeutralToneMapping;
     this.renderer.shadowMap.enabled = true;
     this.renderer.shadowMap.type = PCFShadowMap;
