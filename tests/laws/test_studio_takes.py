@@ -15,6 +15,7 @@ pytest.importorskip("starlette", reason="the extra 'studio' is not installed")
 
 from starlette.testclient import TestClient
 
+from mien.formats.performer_file import write_performer
 from mien.formats.takes.mien_file import write_performance
 from mien.live.studio import shelf as shelves
 from mien.live.studio.packet import posed, unpack
@@ -23,6 +24,7 @@ from mien.live.studio.server import studio
 from mien.live.studio.shelf import Shelf
 from mien.performance.arkit_frame import ArkitFrame, performance_of
 from mien.performance.performance import Performance
+from mien.performance.performer import HeldFace, Performer
 from mien.recipe import moving
 from mien.vocabulary.arkit import names
 
@@ -83,11 +85,17 @@ def test_no_take_leads_out_of_the_folder(client: TestClient, shelf: Shelf) -> No
     assert client.get("/takes/x.mien/performance.exe").status_code == 404
 
 
-def test_a_take_from_elsewhere_is_played(client: TestClient, shelf: Shelf) -> None:
+def test_a_take_from_elsewhere_is_played_whatever_faces_were_held(
+    client: TestClient, shelf: Shelf
+) -> None:
     write_performance(opening(), shelf.place("x.mien", shelves.TAKES))
+    motion, away = np.ones((5, 3)), np.zeros(3)
+    smile = HeldFace("landmarks", "", {"smile": 1.0}, motion, away, np.zeros(2))
+    write_performer(Performer(held=(smile,)), shelf.place("me.performer", shelves.PERFORMERS))
     with client.websocket_connect("/live") as socket:
+        socket.send_text(json.dumps({"kind": "Meet", "name": "me.performer"}))
         socket.send_text(json.dumps({"kind": "Look", "source": "take", "name": "x.mien"}))
-        while True:
+        for _ in range(200):
             message = socket.receive()
             sections = dict(unpack(message["bytes"])) if message.get("bytes") else {}
             if "C000" in sections:

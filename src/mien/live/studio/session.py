@@ -49,7 +49,7 @@ from mien.mapping import MAPPERS, Settings
 from mien.performance.curves import Curves
 from mien.performance.frame import Frame
 from mien.performance.performance import Performance
-from mien.performance.performer import Performer
+from mien.performance.performer import HeldFace, Performer
 from mien.recipe import animate, moving
 
 MOST_ON_STAGE = 4
@@ -295,9 +295,17 @@ class Session:
             self._stepper,
             mapping=self._way.mapping,
             settings=Settings(gain=self._way.gain),
-            held=[face for face in self._coach.faces if face.capture == self._way.capture],
+            held=self._heeded(),
         )
         self._announce()
+
+    def _heeded(self) -> list[HeldFace]:
+        """The held faces that count: of this capture, and of a take the same points."""
+        faces = [face for face in self._coach.faces if face.capture == self._way.capture]
+        if isinstance(self._source, Tape):
+            count = len(self._source.points)
+            faces = [face for face in faces if len(face.motion) == count]
+        return faces
 
     def _announce(self) -> None:
         self._tell(

@@ -144,6 +144,11 @@ class Tape:
         self._clock = perf_counter()
         self._moved = True
 
+    @property
+    def points(self) -> tuple[str, ...]:
+        """Its feature points."""
+        return self._performance.points
+
     def seek(self, place: float, playing: bool) -> None:
         """See Recorded."""
         self._place, self._playing = min(max(place, 0.0), self._length), playing
