@@ -2,7 +2,7 @@
 
 import { NeutralToneMapping, PCFShadowMap, type Texture, WebGLRenderer } from "three";
 import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
-import { spoken } from "./dom";
+import { find, spoken } from "./dom";
 import { room } from "./light";
 import type { Actor } from "./messages";
 import type { Acting } from "./packet";
@@ -81,7 +81,8 @@ export class Theatre {
     new ResizeObserver(() => this.fit()).observe(canvas.parentElement ?? canvas);
     const draw = (now: number) => {
       requestAnimationFrame(draw);
-      if (!this.finished(now)) return;
+      // Nobody sees the stage behind a character that is pointed at.
+      if (find<HTMLDialogElement>("picking").open || !this.finished(now)) return;
       if (this.stale && now - this.drawn >= this.pause) this.next(now);
       else if (!this.stale && !this.fine && now - this.drawn > SETTLED) this.polish();
     };

@@ -122,7 +122,7 @@ def test_the_page_as_a_person_uses_it(folder: Path, address: str) -> None:
     if VALIDATOR.exists():
         assert issues(Path(seen["export"])) == []
     assert Path(seen["table"]).read_text().startswith("time")
-    assert len(load_performance(seen["told"])) > 10
+    assert len(load_performance(seen["told"])) > 2
     assert seen["take_moved"] > 0.02
     assert seen["guest_moved"] > 0.1
     picks = read_picks(folder / "shelf" / "squashed.toml")
