@@ -108,9 +108,10 @@ def test_a_killed_worker_stops_no_other_take(tmp_path: Path) -> None:
         assert process.poll() is None, process.communicate()
         time.sleep(0.01)
     os.kill(workers[0], signal.SIGKILL)  # before it has begun
-    time.sleep(2.0)
+    while not done(tmp_path / "out") and process.poll() is None:
+        time.sleep(0.01)
     for worker in children(process.pid):
-        os.kill(worker, signal.SIGKILL)  # at work, or done
+        os.kill(worker, signal.SIGKILL)  # between two takes, or after both
     told, _ = process.communicate(timeout=120)
     assert process.returncode == 0
     assert json.loads(told)["run"]["count"]["acted"] == 2

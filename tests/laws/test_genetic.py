@@ -339,4 +339,4 @@ def test_the_tracker_meets_whom_a_databank_knows(bank: Databank) -> None:
 def test_scanned_faces_are_for_the_tracker_alone(tmp_path: Path) -> None:
     write_video(tmp_path / "take.mp4", [np.zeros((64, 64, 3), np.uint8)] * 3)
     with pytest.raises(InputError, match="--capture tracker"):
-        capture(tmp_path / "take.mp4", faces="woman")
+        capture(tmp_path / "take.mp4", method="landmarks", faces="woman")
