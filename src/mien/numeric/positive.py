@@ -25,16 +25,33 @@ def solve_positive(matrices: Array, right: Array) -> Array:
     return solutions
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, fastmath={"reassoc"})
 def eliminate(matrix: Array, right: Array) -> None:
-    """Put the solution of one ``matrix`` (W, W) in the place of ``right`` (W,), for other loops.
-    Raises LinAlgError where it is not positive definite."""
-    factor = np.linalg.cholesky(matrix)
-    for row in range(len(right)):
-        right[row] = (right[row] - np.dot(factor[row, :row], right[:row])) / factor[row, row]
-    for row in range(len(right) - 1, -1, -1):
-        right[row] /= factor[row, row]
-        right[:row] -= right[row] * factor[row, :row]
+    """Put the solution of one ``matrix`` (W, W), which is used up, in the place of ``right`` (W,),
+    for other loops. Raises LinAlgError where it is not positive definite.
+
+    Cholesky in loops alone: what NumPy does for a kernel takes numba seconds to compile.
+    """
+    size = len(right)
+    for i in range(size):
+        for j in range(i + 1):
+            left = matrix[i, j]
+            for k in range(j):
+                left -= matrix[i, k] * matrix[j, k]
+            if j < i:
+                matrix[i, j] = left / matrix[j, j]
+            elif left > 0.0:
+                matrix[i, i] = np.sqrt(left)
+            else:
+                raise np.linalg.LinAlgError("Matrix is not positive definite.")
+    for i in range(size):
+        for k in range(i):
+            right[i] -= matrix[i, k] * right[k]
+        right[i] /= matrix[i, i]
+    for i in range(size - 1, -1, -1):
+        right[i] /= matrix[i, i]
+        for k in range(i):
+            right[k] -= right[i] * matrix[i, k]
 
 
 def _solved(matrix: Array, right: Array) -> Array:

@@ -15,6 +15,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from mien.numeric.positive import eliminate
+
 Array = NDArray[np.float64]
 
 _ROUNDS = 4
@@ -88,7 +90,7 @@ def _fit(
         for i in range(2):
             normal[i, i] += _STIFFNESS
             right[i] -= _STIFFNESS * total[i]
-        _solve(normal, right)
+        eliminate(normal, right)
         _turn(turn, right)
         for i in range(3):
             total[i] += right[i]
@@ -96,23 +98,6 @@ def _fit(
         move[0] += right[4]
         move[1] += right[5]
     return turn, size, move
-
-
-@njit(cache=True, nogil=True)
-def _solve(matrix: Array, right: Array) -> None:
-    """Put the solution in the place of ``right``; ``matrix`` is positive definite and is used
-    up (Gauss)."""
-    count = len(right)
-    for i in range(count):
-        for j in range(i + 1, count):
-            share = matrix[j, i] / matrix[i, i]
-            for k in range(i, count):
-                matrix[j, k] -= share * matrix[i, k]
-            right[j] -= share * right[i]
-    for i in range(count - 1, -1, -1):
-        for k in range(i + 1, count):
-            right[i] -= matrix[i, k] * right[k]
-        right[i] /= matrix[i, i]
 
 
 @njit(cache=True, nogil=True)
