@@ -44,11 +44,6 @@ STUDIO = Path(__file__).parents[2] / "studio"
 
 
 @pytest.fixture
-def shelf(tmp_path: Path) -> Shelf:
-    return Shelf(tmp_path / "shelf")
-
-
-@pytest.fixture
 def client(shelf: Shelf, tmp_path: Path) -> Iterator[TestClient]:
     app = studio(shelf, Rules(LOOPBACK | {"testserver"}), tmp_path)
     with TestClient(app, raise_server_exceptions=False) as client:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import zipfile
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -16,8 +15,6 @@ from starlette.testclient import TestClient
 
 from guests import DATA, PICKS, edited, guest, needs_characters, write_guest
 from mien.formats.takes.recording import Recorder
-from mien.live.studio.safety import LOOPBACK, Rules
-from mien.live.studio.server import studio
 from mien.live.studio.shelf import Shelf
 from mien.performance.arkit_frame import ArkitFrame, performance_of
 from mien.rig.picks import read_picks
@@ -25,17 +22,6 @@ from mien.vocabulary.arkit import names
 
 FLAT = np.array([1.0, 0.35, 1.0])
 """Nobody's face is found on a head as flat as this."""
-
-
-@pytest.fixture
-def shelf(tmp_path: Path) -> Shelf:
-    return Shelf(tmp_path / "shelf")
-
-
-@pytest.fixture
-def client(shelf: Shelf, tmp_path: Path) -> Iterator[TestClient]:
-    with TestClient(studio(shelf, Rules(LOOPBACK | {"testserver"}), tmp_path)) as client:
-        yield client
 
 
 @pytest.fixture(scope="module")

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import re
 import struct
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -19,8 +18,6 @@ from mien.formats.performer_file import write_performer
 from mien.formats.takes.mien_file import write_performance
 from mien.live.studio import shelf as shelves
 from mien.live.studio.packet import posed, unpack
-from mien.live.studio.safety import LOOPBACK, Rules
-from mien.live.studio.server import studio
 from mien.live.studio.shelf import Shelf
 from mien.performance.arkit_frame import ArkitFrame, performance_of
 from mien.performance.performance import Performance
@@ -29,17 +26,6 @@ from mien.recipe import moving
 from mien.vocabulary.arkit import names
 
 ENDINGS = Path(__file__).parents[2] / "studio/src/endings.ts"
-
-
-@pytest.fixture
-def shelf(tmp_path: Path) -> Shelf:
-    return Shelf(tmp_path / "shelf")
-
-
-@pytest.fixture
-def client(shelf: Shelf, tmp_path: Path) -> Iterator[TestClient]:
-    with TestClient(studio(shelf, Rules(LOOPBACK | {"testserver"}), tmp_path)) as client:
-        yield client
 
 
 def opening(frames: int = 12) -> Performance:
