@@ -31,13 +31,13 @@ def overlay_film(path: Path, frames: Iterable[Frame]) -> Iterator[Callable[[Trac
     broken, stopped = Event(), Event()
 
     def pictures() -> Iterator[Frame]:
-        for frame in frames:
-            trace = traces.get()
+        # After the last frame too the block's end is waited for: it may still end badly.
+        for trace, frame in zip(iter(traces.get, None), frames, strict=False):
             if broken.is_set():
-                raise _Broken
-            if trace is None:
-                return
+                break
             yield Frame(overlay(frame.image, trace), frame.time)
+        if broken.is_set():
+            raise _Broken
 
     def write() -> None:
         try:

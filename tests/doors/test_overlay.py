@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from pathlib import Path
 
 import av
@@ -12,6 +13,8 @@ from terminal import FRAMES, mien, needs_landmarks
 from clips import noise, write_video
 from mien.face.library import load_character
 from mien.formats.pictures.sources import open_source
+from mien.overlay_film import overlay_film
+from mien.performance.frame import Frame
 from mien.performance.trace import Trace
 from mien.recipe import load_performance
 from mien.view.camera import Camera
@@ -79,6 +82,24 @@ def test_no_overlay_is_left_where_there_is_no_face(tmp_path: Path) -> None:
     )
     assert done.returncode == 1
     assert sorted(path.name for path in tmp_path.iterdir()) == ["noise.mp4"]
+
+
+def test_no_overlay_is_left_where_a_capture_fails_after_its_last_frame(tmp_path: Path) -> None:
+    path = tmp_path / "b.mp4"
+    frames = [Frame(image, 0.04 * n) for n, image in enumerate(noise(4))]
+
+    def fail_at_the_end() -> None:
+        with overlay_film(path, frames) as watch:
+            for _ in frames:
+                watch(Trace())
+            deadline = time.monotonic() + 0.5
+            while not path.exists() and time.monotonic() < deadline:
+                time.sleep(0.01)
+            raise RuntimeError
+
+    with pytest.raises(RuntimeError):
+        fail_at_the_end()
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_overlays_of_what_is_captured_already_are_refused(captured: Path, tmp_path: Path) -> None:
