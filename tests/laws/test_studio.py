@@ -22,7 +22,7 @@ from starlette.testclient import TestClient, WebSocketTestSession
 from starlette.websockets import WebSocketDisconnect
 
 from mien.cli.studio import _bound
-from mien.errors import InputError
+from mien.errors import InputError, OutputError
 from mien.face.library import load_character
 from mien.formats.pictures.jpeg import encode_jpeg
 from mien.formats.takes.recording import Recorder
@@ -179,6 +179,22 @@ def test_what_is_exported_is_what_the_page_shows(client: TestClient, shelf: Shel
         told(socket, "StageSet")
         assert smile(session) == pytest.approx(0.123)
     assert smile(session) > 0.3
+
+
+def test_an_export_that_fails_leaves_nothing(
+    client: TestClient, shelf: Shelf, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(*_: object) -> Path:
+        raise OutputError("the disk is full")
+
+    name, room = recorded(shelf), tmp_path / "room"
+    room.mkdir()
+    monkeypatch.setattr("tempfile.tempdir", str(room))
+    monkeypatch.setattr("mien.live.studio.server.save", full)
+    monkeypatch.setattr("mien.live.studio.server.save_performance", full)
+    for export in (f"{name}/man.csv", f"{name}/performance.fap", "none.mien/performance.fap"):
+        assert client.get(f"/takes/{export}").status_code >= 400
+    assert list(room.iterdir()) == []
 
 
 def test_a_page_that_errs_is_told_and_may_go_on(client: TestClient) -> None:

@@ -25,8 +25,8 @@ import asyncio
 import json
 import tempfile
 from collections import deque
-from collections.abc import Awaitable, Callable, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Awaitable, Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import asdict
 from pathlib import Path
 
@@ -209,16 +209,17 @@ class _Server:
         performance, character = self._shelf.take(take), self._troupe.character(name)
         act = session.act if session is not None else animate
         curves = act(performance, character)
-        return save(curves, _temporary(kind), character)
+        with _temporary(kind) as path:
+            return save(curves, path, character)
 
     async def told(self, request: Request) -> Response:
         """A take itself, in a file of another kind."""
         take, kind = request.path_params["take"], request.path_params["kind"]
         if f".{kind}" not in WRITERS:
             raise HTTPException(404)
-        path = _temporary(kind)
         performance = await run_in_threadpool(self._shelf.take, take)
-        await run_in_threadpool(save_performance, performance, path)
+        with _temporary(kind) as path:
+            await run_in_threadpool(save_performance, performance, path)
         return _handed(path, f"{Path(take).stem}.{kind}")
 
     async def live(self, socket: WebSocket) -> None:
@@ -242,9 +243,16 @@ class _Server:
                 await socket.close()
 
 
-def _temporary(kind: str) -> Path:
+@contextmanager
+def _temporary(kind: str) -> Iterator[Path]:
+    """A file for what is handed out; it goes where the block does not end well."""
     with tempfile.NamedTemporaryFile(suffix=f".{kind}", delete=False) as file:
-        return Path(file.name)
+        path = Path(file.name)
+    try:
+        yield path
+    except BaseException:
+        path.unlink(missing_ok=True)
+        raise
 
 
 def _handed(path: Path, name: str) -> Response:
