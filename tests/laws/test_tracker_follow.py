@@ -178,6 +178,19 @@ def test_the_skin_is_followed_where_landmarks_lie(somebody):
     assert np.mean(errors[True]) < 0.5 * np.mean(errors[False])
 
 
+@pytest.mark.parametrize("share", [0.75, 1.4])
+def test_a_camera_of_unknown_focal_length_costs_a_tenth_of_the_turn(somebody, share):
+    believed, start = replace(somebody, focal=FOCAL * share), posed()
+    crop = crop_of(start, landmarks(somebody, start))
+    nearer = replace(start, translation=start.translation * np.array([1.0, 1.0, share]))
+    tracker = Tracker(believed, [take(believed, crop, nearer)], nearer)
+    for yaw in np.linspace(2.0, 20.0, 7):
+        truth = posed(yaw=float(yaw), pitch=0.4 * float(yaw))
+        points = landmarks(somebody, truth)
+        found = tracker.step(crop_of(truth, points), points)
+        assert degrees(found.state, truth) < 0.1 * degrees(start, truth) + 0.1
+
+
 def test_points_stay_on_their_skin(somebody):
     start = posed()
     look = take(somebody, crop_of(start, landmarks(somebody, start)), start)
