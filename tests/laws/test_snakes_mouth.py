@@ -9,8 +9,15 @@ import pytest
 from mien.capture import CAPTURES, CaptureSettings
 from mien.capture.snakes.colour.pigments import Pigments
 from mien.capture.snakes.curves.features import usual_lenses
-from mien.capture.snakes.mouth import LipColour, filled, hull_edges, tongue_out
+from mien.capture.snakes.mouth import (
+    LipColour,
+    filled,
+    find_opening,
+    hull_edges,
+    look_inside,
+)
 from mien.capture.snakes.stepper import SnakeCapture
+from mien.capture.snakes.tongue import Tongue, find_tongue
 from mien.face.library import load_character
 from mien.performance.frame import Frame
 from mien.view.camera import Camera
@@ -25,11 +32,21 @@ PALE_LIP, RED_TONGUE = (200.0, 134.0, 108.0), (200.0, 80.0, 75.0)
 Colour = tuple[float, float, float]
 
 
-def mouth(inner: Colour, low: Colour, lip: Colour = LIP, bottom: int = 9) -> float:
-    """The measure on a painted mouth: dark above, ``inner`` and ``low`` below one another, down to
-    row ``bottom`` from the middle."""
-    lips = usual_lenses()["lips"]
-    lips = lips.mean(axis=0) + (lips - lips.mean(axis=0)) * np.array([1.0, 2.5])
+USUAL = Tongue(0.0, 12.0, 0.0, 0)
+
+
+def mouth(
+    inner: Colour,
+    low: Colour,
+    lip: Colour = LIP,
+    bottom: int = 9,
+    usual: Tongue = USUAL,
+    fuller: float = 1.0,
+) -> Tongue:
+    """What is found in a painted mouth: dark above, ``inner`` and ``low`` below one another, down
+    to row ``bottom`` from the middle; lips at rest are ``fuller`` than usual."""
+    rest = usual_lenses()["lips"]
+    lips = rest.mean(axis=0) + (rest - rest.mean(axis=0)) * np.array([1.0, 2.5])
     corner, shape = np.array([-70.0, 60.0]), (130, 140)
     colour = np.empty((*shape, 3))
     colour[:] = SKIN
@@ -43,7 +60,10 @@ def mouth(inner: Colour, low: Colour, lip: Colour = LIP, bottom: int = 9) -> flo
     magenta = (1.0 - colour[..., 1] / value).astype(np.float32)
     blue = (colour[..., 2] / colour[..., 1]).astype(np.float32)
     own = LipColour(lip[0], 1.0 - lip[1] / lip[0])
-    return tongue_out(lips, Pigments(value, magenta, blue, corner, 1), own)
+    seen = Pigments(value, magenta, blue, corner, 1)
+    inside = look_inside(lips, seen, own)
+    rest = rest * np.array([1.0, fuller])
+    return find_tongue(lips, rest, find_opening(lips, seen, inside).lens, seen, inside, usual)
 
 
 @pytest.mark.parametrize(
@@ -61,12 +81,31 @@ def mouth(inner: Colour, low: Colour, lip: Colour = LIP, bottom: int = 9) -> flo
 def test_a_tongue_is_pale_pink_under_dark_and_above_no_teeth(
     inner: tuple[float, float, float], low: tuple[float, float, float], out: bool
 ) -> None:
-    assert (mouth(inner, low) > 0.5) == out
+    assert (mouth(inner, low).out > 0.5) == out
 
 
 def test_a_tongue_redder_than_pale_lips_is_out_where_it_covers_the_lower_one() -> None:
-    assert mouth(RED_TONGUE, RED_TONGUE, PALE_LIP, bottom=40) > 0.5
-    assert mouth(RED_TONGUE, RED_TONGUE, PALE_LIP) < 0.5
+    assert mouth(RED_TONGUE, RED_TONGUE, PALE_LIP, bottom=40).out > 0.5
+    assert mouth(RED_TONGUE, RED_TONGUE, PALE_LIP).out < 0.5
+
+
+def test_what_is_no_thicker_than_the_lip_is_no_tongue() -> None:
+    thick = Tongue(0.0, 60.0, 0.0, 0)
+    assert mouth(TONGUE, TONGUE, usual=thick).out > 0.5, "the resting lips are thin"
+    assert mouth(TONGUE, TONGUE, fuller=3.0).out > 0.5, "the lip mostly is thin"
+    assert mouth(TONGUE, TONGUE, usual=thick, fuller=3.0).out == 0.0
+
+
+def test_what_is_mostly_there_is_no_tongue() -> None:
+    pink = Tongue(0.0, 12.0, 0.2, 100)
+    assert mouth(TONGUE, TONGUE, usual=pink).out < mouth(TONGUE, TONGUE).out
+
+
+def test_a_tongue_held_out_stays_out() -> None:
+    known = USUAL
+    for _ in range(200):
+        known = mouth(TONGUE, TONGUE, usual=known)
+    assert known.out > 0.5
 
 
 @pytest.mark.parametrize("seed", range(20))

@@ -12,7 +12,7 @@ from mien.capture.snakes.curves.blobs import _extent
 from mien.capture.snakes.curves.energy import Terms, descend, energy, packed
 from mien.capture.snakes.curves.settle import _reach, _wild
 from mien.capture.snakes.head.pose import Pose, fit_pose
-from mien.capture.snakes.mouth import _between
+from mien.capture.snakes.tongue import _between
 from mien.numeric import bezier
 from mien.numeric.rotation import from_vector
 
@@ -42,11 +42,26 @@ def test_the_extent_of_a_blob(seed: int) -> None:
 def test_what_lies_between_dark_and_teeth(seed: int) -> None:
     random = np.random.default_rng(seed)
     pale, black, teeth = (random.random((3, 12, 15)) < 0.15).astype(np.uint8)
-    wanted = sum(
-        bool(black[: y + 1, x].any() and not teeth[y:, x].any())
-        for y, x in zip(*np.nonzero(pale), strict=True)
+    within = np.ones_like(pale)
+    within[random.integers(9, 12) :] = 0
+    pale, black = pale & within, black & within
+    end = np.flatnonzero(within[:, 0])[-1]
+    counted = np.array(
+        [
+            [
+                bool(pale[y, x] and black[: y + 1, x].any() and not teeth[y : end + 1, x].any())
+                for x in range(15)
+            ]
+            for y in range(12)
+        ]
     )
-    assert _between(pale, black, teeth) == wanted
+    thick = [
+        end - np.flatnonzero(black[: np.flatnonzero(column)[0] + 1, x])[-1]
+        for x, column in enumerate(counted.T)
+        if column.any()
+    ]
+    assert counted.any()
+    assert _between(pale, black, teeth, within) == (counted.sum(), pytest.approx(np.mean(thick)))
 
 
 @pytest.mark.parametrize("seed", SEEDS)

@@ -1,4 +1,4 @@
-"""The mouth's opening inside the lips: what is dark, what is teeth, what is tongue."""
+"""The mouth's opening inside the lips: what is dark and what is teeth."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _DARK = 0.38
 """ln(V of the lips / V) from which a pixel is dark."""
 _PALE = 0.65
 """Share of the skin's magenta that a tooth has at most: lips have more than skin, teeth less."""
-_BRIGHT = 0.55
+BRIGHT = 0.55
 """Share of the lips' brightness that a tooth has at least."""
 _FEWEST = 30
 """Pixels of an opening."""
@@ -45,23 +45,7 @@ _RING = 0.14
 """Depth of the lips' own colour inside their outline, in heights."""
 _STRIP, _HAIRY = 6.0, 0.2
 """Patch units above the lips, and ln(V of the skin / V) from which hair grows there."""
-_PINKEST, _LEAST_PINK, _LIT, _BLUE = 0.85, 1.12, 0.95, 0.88
-"""A tongue has at most this share of the magenta of the reddest quarter of the mouth and at least
-that of the skin's, this share of the lips' brightness, and this much blue for its green: skin
-and lit lips have less."""
-_REDDER, _BLUER = 1.4, 1.1
-"""Or, where lips are pale, so much more magenta than the upper lip and so much more blue."""
-_RIM = 0.07
-"""Depth of the upper lip inside its outline, in heights."""
-_UNDER = 0.7
-"""Share of the tongue's magenta below which something lies before it: lower teeth, however shaded,
-or a pale lip, which a tongue that is out covers."""
-_LIP = 0.3
-"""Share of the mouth's height that its lower lip takes."""
-_TONGUE = (0.04, 0.12)
-"""Shares of the mouth that tongue takes where it is in and where it is plainly out."""
 _MARGIN = np.ones((3, 3), np.uint8)
-_SPECK = np.ones((2, 2), np.uint8)
 _GROWN = np.ones((3, 3), np.uint8)
 """How far the open mouth may have grown since the last frame, in pixels of the small patch."""
 _END = np.array([WIDTH, HEIGHT])
@@ -77,6 +61,17 @@ class LipColour:
 
 
 @dataclass(frozen=True, slots=True)
+class Inside:
+    """The pixels of a mouth; masks (H, W) are 0 or 1."""
+
+    lips: LipColour
+    within: Mask
+    """Inside the lips' outline."""
+    dark: Mask
+    teeth: Mask
+
+
+@dataclass(frozen=True, slots=True)
 class Opening:
     """What shows between the lips."""
 
@@ -84,8 +79,6 @@ class Opening:
     """(6, 2)"""
     teeth: float
     """Share of the lips' outline that is teeth."""
-    tongue: float
-    """How far the tongue is out, 0..1."""
 
 
 def lip_colour(outline: Array, seen: Pigments) -> LipColour:
@@ -94,8 +87,8 @@ def lip_colour(outline: Array, seen: Pigments) -> LipColour:
     ring = np.concatenate(
         [upper_curve(outline, 15)[3:-3] + inset, lower_curve(outline, 15)[3:-3] - inset]
     )
-    bright = _median(seen.values(seen.value, ring))
-    pink = _median(seen.values(seen.magenta, ring))
+    bright = median(seen.values(seen.value, ring))
+    pink = median(seen.values(seen.magenta, ring))
     return LipColour(max(bright, 1.0), max(pink, 0.5 * MAGENTA_SKIN))
 
 
@@ -120,14 +113,14 @@ def around(outline: Array) -> Box:
 def inside_masks(seen: Pigments, lips: LipColour) -> tuple[Mask, Mask]:
     """Dark pixels and teeth, 0 or 1."""
     dark = seen.value < lips.value * np.exp(-_DARK)
-    teeth = (seen.magenta < _PALE * MAGENTA_SKIN) & (seen.value > _BRIGHT * lips.value)
+    teeth = (seen.magenta < _PALE * MAGENTA_SKIN) & (seen.value > BRIGHT * lips.value)
     return dark.view(np.uint8), teeth.view(np.uint8)
 
 
 def moustache(outline: Array, seen: Pigments) -> bool:
     """Whether what is above the lips (6, 2) is darker than skin: dark is no sign then."""
     strip = upper_curve(outline, 15)[3:-3] - np.array([0.0, _STRIP])
-    return bool(_median(seen.values(seen.value, strip)) < USUAL_SKIN.max() * np.exp(-_HAIRY))
+    return bool(median(seen.values(seen.value, strip)) < USUAL_SKIN.max() * np.exp(-_HAIRY))
 
 
 def filled(outline: Array, seen: Pigments) -> Mask:
@@ -137,83 +130,30 @@ def filled(outline: Array, seen: Pigments) -> Mask:
     return mask
 
 
-def tongue_out(outline: Array, seen: Pigments, lips: LipColour) -> float:
-    """How far the tongue is out, 0..1: pink, of another colour than the lips, under dark, above no
-    teeth and no pale lip, and not where the lower lip is."""
-    dark, _ = inside_masks(seen, lips)
-    return _tongue(outline, seen, lips, _within(outline, seen), dark)
-
-
-def _tongue(outline: Array, seen: Pigments, lips: LipColour, within: Mask, dark: Mask) -> float:
-    black = _opened(dark & within, _SPECK)
-    if not black.any():
-        return 0.0
-    above_lip = np.zeros_like(within)
-    rise = min(max(round(_LIP * tallness(outline)), 0), len(within))
-    above_lip[: len(within) - rise] = within[rise:]
-    inner = seen.magenta[within > 0]
-    most = (3 * len(inner)) // 4
-    reddest = float(np.partition(inner, most)[most])
-    rim = upper_curve(outline, 15)[3:-3] + np.array([0.0, _RIM * tallness(outline)])
-    redder = seen.magenta > _REDDER * _median(seen.values(seen.magenta, rim))
-    bluer = seen.blue > _BLUER * _median(seen.values(seen.blue, rim))
-    pink = (seen.magenta < _PINKEST * reddest) | (redder & bluer)
-    pink &= (seen.magenta > _LEAST_PINK * MAGENTA_SKIN) & (seen.blue > _BLUE)
-    pink &= seen.value > _LIT * lips.value
-    tongue = _opened(pink & within & above_lip, _MARGIN)
-    if not tongue.any():
-        return 0.0
-    pale = seen.magenta < _UNDER * _median(seen.magenta[tongue > 0])
-    before = _opened((pale & (seen.value > _BRIGHT * lips.value)) & within, _SPECK)
-    share = _between(tongue, black, before) / len(inner)
-    return min(max((share - _TONGUE[0]) / (_TONGUE[1] - _TONGUE[0]), 0.0), 1.0)
-
-
-def find_opening(outline: Array, seen: Pigments, lips: LipColour) -> Opening:
-    """What shows inside the lips' ``outline`` (6, 2); ``seen`` at one patch unit a pixel."""
+def look_inside(outline: Array, seen: Pigments, lips: LipColour) -> Inside:
+    """What is within the lips' ``outline`` (6, 2)."""
     dark, teeth = inside_masks(seen, lips)
-    within = _within(outline, seen)
+    within = np.asarray(cv2.erode(filled(outline, seen), _MARGIN), dtype=np.uint8)
+    return Inside(lips, within, dark, teeth)
+
+
+def find_opening(outline: Array, seen: Pigments, inside: Inside) -> Opening:
+    """What shows inside the lips' ``outline`` (6, 2); ``seen`` at one patch unit a pixel."""
+    within, teeth = inside.within, inside.teeth
     share = float((teeth & within).sum()) / max(float(within.sum()), 1.0)
-    tongue = _tongue(outline, seen, lips, within, dark)
-    shown = _opened((dark | teeth) & within, _MARGIN)
+    shown = opened((inside.dark | teeth) & within, _MARGIN)
     if cv2.countNonZero(shown) >= _FEWEST:
         upper, lower = hull_edges(shown)
         lens = fit_lens(upper, lower) + seen.corner
         wide = upper[-1, 0] - upper[0, 0] > _WIDE * (outline[1, 0] - outline[0, 0])
         if wide and tallness(lens) >= _SLIT:
-            return Opening(lens, share, tongue)
-    return Opening(_slit(outline, seen), share, tongue)
+            return Opening(lens, share)
+    return Opening(_slit(outline, seen), share)
 
 
-def _opened(mask: Mask, by: Mask) -> Mask:
+def opened(mask: Mask, by: Mask) -> Mask:
     """``mask`` without what is smaller than ``by``."""
     return np.asarray(cv2.morphologyEx(mask, cv2.MORPH_OPEN, by), dtype=np.uint8)
-
-
-def _within(outline: Array, seen: Pigments) -> Mask:
-    return np.asarray(cv2.erode(filled(outline, seen), _MARGIN), dtype=np.uint8)
-
-
-@njit(cache=True, nogil=True)
-def _between(tongue: Mask, black: Mask, teeth: Mask) -> int:
-    """How many pixels of tongue have black above them and no teeth below."""
-    rows, columns = tongue.shape
-    count = 0
-    for x in range(columns):
-        y = rows - 1
-        run = 0
-        while y >= 0 and teeth[y, x] == 0:
-            run += tongue[y, x]
-            if black[y, x]:
-                count += run
-                run = 0
-            y -= 1
-        while y >= 0 and run > 0:
-            if black[y, x]:
-                count += run
-                run = 0
-            y -= 1
-    return count
 
 
 @njit(cache=True, nogil=True)
@@ -271,7 +211,7 @@ def _slit(outline: Array, seen: Pigments) -> Array:
     return lens
 
 
-def _median(values: Field) -> float:
-    """The upper one of two."""
+def median(values: Field) -> float:
+    """Of two in the middle the upper one."""
     middle = len(values) // 2
     return float(np.partition(values, middle)[middle])

@@ -36,8 +36,10 @@ from mien.capture.snakes.mouth import (
     around,
     find_opening,
     lip_colour,
+    look_inside,
     with_inside,
 )
+from mien.capture.snakes.tongue import Tongue, find_tongue
 
 Array = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -88,6 +90,8 @@ class Seen:
     contrast: Array
     """(L,) mean I just inside the curves minus just outside."""
     opening: Opening
+    tongue: Tongue | None
+    """None before a mouth was seen."""
     irises: Array
     """(2, 2) middles of the right and the left iris, patch units."""
     apertures: Array
@@ -254,12 +258,16 @@ class SnakeCapture:
             lost[row], contrast[row] = settled.lost, settled.contrast
             if not settled.lost or strange:
                 lenses[row] = settled.lens
+        tongue = None if self._last is None else self._last.tongue
         if lost[_LIPS] and not strange:
-            opening = Opening(lenses[MOUTH], 0.0, 0.0)
+            opening = Opening(lenses[MOUTH], 0.0)
+            tongue = tongue and tongue.hidden()
         else:
             close = pigments(patch, look.gains, around(lenses[_LIPS]), 1)
             lips = lip_colour(lenses[_LIPS], close)
-            opening = find_opening(lenses[_LIPS], close, lips)
+            inside = look_inside(lenses[_LIPS], close, lips)
+            opening = find_opening(lenses[_LIPS], close, inside)
+            tongue = find_tongue(lenses[_LIPS], rest[_LIPS], opening.lens, close, inside, tongue)
         lenses[MOUTH] = opening.lens
         return Seen(
             start.placement,
@@ -269,6 +277,7 @@ class SnakeCapture:
             lost,
             contrast,
             opening,
+            tongue,
             find_irises(look, lenses[_EYES]),
             np.array(apertures),
             look,

@@ -128,7 +128,7 @@ def _row(seen: Seen) -> _Row:
         frame_from_patch @ seen.pose.rotation @ FRONTAL,
         placement.to_frame(np.zeros(2)),
         placement.scale,
-        seen.opening.tongue,
+        seen.tongue.out if seen.tongue else 0.0,
         seen.irises[::-1] - seen.lenses[_EYES, :2].mean(axis=1),
         seen.apertures[::-1],
         seen.lost,
