@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import argparse
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from itertools import islice
 from pathlib import Path
@@ -38,6 +38,7 @@ from mien.capture.snakes.curves.lens import lower_curve, upper_curve
 from mien.capture.snakes.stepper import Seen, SnakeCapture
 from mien.formats.performer_file import read_performer
 from mien.formats.pictures.sources import open_source
+from mien.performance.frame import Frame
 from mien.vocabulary.topology import BROW_LOWER, BROW_UPPER, LID_LOOPS, LIP_LOOPS, mirrored
 from report import show
 
@@ -85,11 +86,12 @@ def main() -> None:
         contours = [true_contours(truth, frame) for frame in range(len(truth["R"]))]
         yaw = np.abs(truth["yaw_pitch_roll_deg"][:, 0])
         kept = [c if y < MOST_YAW else None for c, y in zip(contours, yaw, strict=True)]
-        kept = kept[: options.frames]
-        figures, name = take_figures(options.clip, kept, stepper_of(options)), options.clip.name
+        name, take = options.clip.name, open_source(options.clip)
+        figures = take_figures(take, kept[: options.frames], stepper_of(options))
     else:
-        kept = network_contours(options.video, options.frames)
-        figures, name = take_figures(options.video, kept, stepper_of(options)), options.video.name
+        name, take = options.video.name, open_source(options.video)
+        kept = network_contours(islice(take, options.frames))
+        figures = take_figures(take, kept, stepper_of(options))
         if options.light:
             figures |= light_figures(options, kept)
     show("snakes_accuracy", f"Curves on {name}", figures, options.json)
@@ -104,7 +106,7 @@ def stepper_of(options: argparse.Namespace) -> Callable[[], SnakeCapture]:
 
 
 def take_figures(
-    video: Path,
+    frames: Iterable[Frame],
     contours: list[Contours | None],
     make: Callable[[], SnakeCapture],
     light: str = "as it is",
@@ -113,11 +115,11 @@ def take_figures(
     stepper = make()
     errors: list[list[float]] = []
     lips_lost: list[bool] = []
-    recovered = flagged = frames = 0
-    for wanted, frame in zip(contours, open_source(video), strict=False):
-        seen = stepper.step(lit(frame.image, light if frames else "as it is"))
-        frames += 1
-        recovered += seen is None or (seen.recovered and frames > 1)
+    recovered = flagged = count = 0
+    for wanted, frame in zip(contours, frames, strict=False):
+        seen = stepper.step(lit(frame.image, light if count else "as it is"))
+        count += 1
+        recovered += seen is None or (seen.recovered and count > 1)
         flagged += seen is None or bool(seen.lost[LASTING].any())
         if wanted is not None and seen is not None:
             errors.append([part_error(seen, wanted, part) for part in PARTS])
@@ -126,9 +128,9 @@ def take_figures(
     return {
         **{f"{part}_pct": float(np.nanmean(table[:, i])) for i, part in enumerate(PARTS)},
         **{f"{part}_lost": lost_share(table, i, part) for i, part in enumerate(PARTS)},
-        "recovered_fraction": recovered / frames,
+        "recovered_fraction": recovered / count,
         "lost_fraction": float(np.mean([lost_share(table, i, p) for i, p in enumerate(PARTS)])),
-        "flagged_fraction": flagged / frames,
+        "flagged_fraction": flagged / count,
         **lips_marked(table[:, list(PARTS).index("outer_lips")], np.array(lips_lost)),
         "frames_judged": float(len(table)),
     }
@@ -181,7 +183,7 @@ def light_figures(options: argparse.Namespace, kept: list[Contours | None]) -> d
             make = partial(SnakeCapture, None, weigh, scaled)
             way = f"{name}_{'scaled' if scaled else 'unscaled'}"
             for light in LIGHTS:
-                found = take_figures(options.video, kept, make, light)
+                found = take_figures(open_source(options.video), kept, make, light)
                 plain = plain or found
                 for part in PARTS:
                     worse = found[f"{part}_pct"] - plain[f"{part}_pct"]
@@ -238,12 +240,10 @@ def distance(places: Array, line: Array) -> float:
     return float(np.linalg.norm(places[:, None] - near, axis=-1).min(1).mean())
 
 
-def network_contours(video: Path, frames: int | None) -> list[Contours | None]:
-    """The landmark networks' contours of every frame, or of the first ``frames``; None where
-    turned or not seen."""
+def network_contours(frames: Iterable[Frame]) -> list[Contours | None]:
+    """The landmark networks' contours of every frame; None where turned or not seen."""
     with Detector() as detector:
-        shown = islice(open_source(video), frames)
-        found = [detector.landmarks(frame.image) for frame in shown]
+        found = [detector.landmarks(frame.image) for frame in frames]
     return [None if p is None or turned(p) else mesh_contours(p.astype(float)) for p in found]
 
 
