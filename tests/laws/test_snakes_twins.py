@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+import cv2
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -10,13 +13,15 @@ from mien.capture.snakes.colour.pigments import Pigments
 from mien.capture.snakes.colour.transform import brightness
 from mien.capture.snakes.curves.blobs import _extent
 from mien.capture.snakes.curves.energy import Terms, descend, energy, packed
-from mien.capture.snakes.curves.settle import _reach, _wild
+from mien.capture.snakes.curves.lens import height
+from mien.capture.snakes.curves.settle import _come_to_rest, _reach, _wild
 from mien.capture.snakes.head.pose import Pose, fit_pose
 from mien.capture.snakes.tongue import _between
 from mien.numeric import bezier
 from mien.numeric.rotation import from_vector
 
 Array = NDArray[np.float64]
+Field = NDArray[np.float32]
 SEEDS = range(6)
 
 
@@ -82,20 +87,21 @@ def test_the_pose_is_that_of_weighted_least_squares(seed: int) -> None:
     start = Pose(from_vector(random.normal(0.0, 0.1, 3)), 1.0, random.normal(0.0, 2.0, 2))
     moved = Pose(from_vector(random.normal(0.0, 0.2, 3)), 1.05, np.array([3.0, -2.0]))
     seen = moved(rest) + random.normal(0.0, 1.0, (40, 2))
-    found, twin = fit_pose(rest, seen, start), plain_pose(rest, seen, start)
+    points = rest, seen, random.uniform(0.5, 6.0, 40), random.uniform(3.0, 15.0, 40)
+    found, twin = fit_pose(*points, start), plain_pose(*points, start)
     assert np.allclose(found.rotation, twin.rotation, atol=1e-9)
     assert found.scale == pytest.approx(twin.scale)
     assert np.allclose(found.shift, twin.shift)
 
 
-def plain_pose(rest: Array, seen: Array, start: Pose) -> Pose:
-    """Four rounds of Gauss and Newton; Cauchy weights with their knee at 4 units, and 50 squared
-    units a squared radian against turning."""
+def plain_pose(rest: Array, seen: Array, weight: Array, knee: Array, start: Pose) -> Pose:
+    """Four rounds of Gauss and Newton; Cauchy weights, and 50 squared units a squared radian
+    against turning."""
     rotation, scale, shift, total = start.rotation, start.scale, start.shift, np.zeros(3)
     for _ in range(4):
         x, y, z = (rest @ rotation.T).T
         miss = seen - scale * np.stack([x, y], axis=1) - shift
-        trust = np.repeat(1.0 / (1.0 + (miss**2).sum(axis=1) / 16.0), 2)
+        trust = np.repeat(weight / (1.0 + (miss**2).sum(axis=1) / knee**2), 2)
         none, one = np.zeros_like(x), np.ones_like(x)
         rows = np.stack(
             [
@@ -161,21 +167,69 @@ def test_the_descent(seed: int) -> None:
     lens = np.array([[8, 15], [32, 15], [15, 8], [25, 8], [15, 22], [25, 22]], dtype=float)
     prior = 0.01 * np.eye(12), 0.01 * lens.reshape(12)
     place, value = descend(lens.reshape(12), field, np.zeros(2), packed(Terms()), *prior, 6, 1.0)
-    wanted, least = plain_descent(lens, field, *prior, steps=6)
+    wanted, least = plain_descent(lens, field, Terms(), prior, 6, 1.0)
     assert np.allclose(place, wanted.reshape(12), atol=1e-6)
     assert value == pytest.approx(least)
 
 
+Prior = tuple[Array, Array]
+
+
 def plain_descent(
-    lens: Array, field: NDArray[np.float32], quadratic: Array, linear: Array, steps: int
+    lens: Array, field: Field, terms: Terms, prior: Prior, steps: int, step: float
 ) -> tuple[Array, float]:
-    value, slope = energy(lens, field, np.zeros(2), Terms(), quadratic, linear)
-    step = 1.0
+    value, slope = energy(lens, field, np.zeros(2), terms, *prior)
     for _ in range(steps):
         trial = lens - step / np.abs(slope).max() * slope
-        there, ahead = energy(trial, field, np.zeros(2), Terms(), quadratic, linear)
+        there, ahead = energy(trial, field, np.zeros(2), terms, *prior)
         if there < value:
             lens, value, slope, step = trial, there, ahead, 1.3 * step
         else:
             step *= 0.5
+            if step < 0.02:
+                break
     return lens, value
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_where_curves_come_to_rest(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    sharp = random.random((30, 40)).astype(np.float32)
+    fields = [cv2.GaussianBlur(sharp, (0, 0), sigma) for sigma in (3.0, 1.5, 0.8)]
+    lens = np.array([[8, 15], [32, 15], [15, 8], [25, 8], [15, 22], [25, 22]], dtype=float)
+    starts = lens + random.normal(0.0, 2.0, (3, 6, 2))
+    prior = 0.01 * np.eye(12), 0.01 * lens.reshape(12)
+    limits = np.array([random.normal(0.0, 0.02), 20.0, 30.0, 100.0, 20.0])
+    terms = Terms(least_width=30.0)
+    place, value, across, lost = _come_to_rest(
+        starts.reshape(3, 12), tuple(fields), np.zeros(2), packed(terms), *prior, lens, limits
+    )
+    wanted, least = plain_rest(starts, fields, terms, prior)
+    bare = Terms(edge=0.0, reach=plain_reach(wanted))
+    nothing = np.zeros((12, 12)), np.zeros(12)
+    contrast = -energy(wanted, fields[1], np.zeros(2), bare, *nothing)[0]
+    assert np.allclose(place, wanted.reshape(12), atol=1e-6)
+    assert value == pytest.approx(least)
+    assert across == pytest.approx(contrast)
+    assert lost == (contrast < limits[0] or _wild(wanted, lens, limits))
+
+
+def plain_rest(
+    starts: Array, fields: list[Field], terms: Terms, prior: Prior
+) -> tuple[Array, float]:
+    """The best of several descents on the coarse field, brought to rest on the finer ones."""
+
+    def fallen(lens: Array, field: Field, steps: int, step: float) -> tuple[Array, float]:
+        return plain_descent(
+            lens, field, replace(terms, reach=plain_reach(lens)), prior, steps, step
+        )
+
+    coarse, middle, fine = fields
+    best, _ = min((fallen(lens, coarse, 8, 2.0) for lens in starts), key=lambda found: found[1])
+    best, _ = fallen(best, middle, 6, 1.0)
+    return fallen(best, fine, 8, 1.0)
+
+
+def plain_reach(lens: Array) -> float:
+    """A fifth of a lens's height, within bounds."""
+    return float(np.clip(0.2 * height(lens), 1.2, 6.0))

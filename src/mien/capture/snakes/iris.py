@@ -6,8 +6,8 @@ may cross: disagreement costs only so much.
 
 from __future__ import annotations
 
-import cv2
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from mien.capture.snakes.colour.transform import Field
@@ -49,35 +49,51 @@ _DOWN = np.arange(-_FALL - 1, _FALL, dtype=float) * COARSE / 2.0
 _AGREE = _APART * np.minimum((_ACROSS[:, None] - _ACROSS) ** 2, _CROSSED) + _ASIDE * (
     _ACROSS[:, None] ** 2 + _ACROSS**2
 )
+_WIDE, _HIGH = 2 * _REACH // COARSE + 2, 2 * _FALL // COARSE + 2
+"""Pixels between which all those places lie."""
 
 
 def find_irises(look: Look, eyes: Array) -> Array:
     """(2, 2) patch units of both irises between the corners of ``eyes`` (2, 6, 2)."""
-    middles = eyes[:, :2].mean(axis=1)
-    fits = np.stack([_fit(look, middle) for middle in middles])
-    best = fits.max(axis=1)
-    chosen = np.unravel_index((best[0][:, None] + best[1] - _AGREE).argmax(), _AGREE.shape)
-    return np.stack(
-        [
-            middle + np.array([_ACROSS[column], _DOWN[fit[:, column].argmax()]])
-            for middle, fit, column in zip(middles, fits, chosen, strict=True)
-        ]
-    )
+    middles = 0.5 * (eyes[:, 0] + eyes[:, 1])
+    fits = [fit_iris(look.value, look.mean, middle) for middle in middles]
+    best = fits[0].max(axis=0)[:, None] + fits[1].max(axis=0) - _AGREE
+    for middle, fit, column in zip(middles, fits, divmod(best.argmax(), len(_ACROSS)), strict=True):
+        middle += _ACROSS[column], _DOWN[fit[:, column].argmax()]
+    return np.asarray(middles)
 
 
-def _fit(look: Look, middle: Array) -> Array:
-    """(down, across) how well an iris fits at each place round the middle of an eye."""
-    centre = (middle + ORIGIN - 0.5 * (COARSE - 1)) / COARSE
-    reach = np.array([_REACH, 2 * _FALL]) / COARSE + _MARGIN + 2
-    size = np.array(look.value.shape[::-1])
-    left, top = np.clip(np.floor(centre - reach), 0, size - 1).astype(int)
-    right, bottom = np.clip(np.ceil(centre + reach), [left + 1, top + 1], size).astype(int)
-    shown = np.maximum(look.value[top:bottom, left:right], 1.0)
-    around = np.maximum(look.mean[top:bottom, left:right], 1.0)
-    dark = np.clip(np.log(around / shown), 0.0, _DARKEST)
-    fit = cv2.filter2D(dark, -1, _PATTERN, borderType=cv2.BORDER_REPLICATE)
-    x, y = np.empty((2, len(_DOWN), len(_ACROSS)), dtype=np.float32)
-    x[:] = centre[0] - left + _ACROSS / COARSE
-    y[:] = (centre[1] - top + _DOWN / COARSE)[:, None]
-    found = cv2.remap(fit, x, y, cv2.INTER_LINEAR)
-    return np.asarray(found, dtype=float)
+@njit(cache=True, nogil=True, fastmath=True)
+def fit_iris(value: Field, mean: Field, middle: Array) -> Array:
+    """(down, across) how well an iris fits at each place round the ``middle`` (2,) of an eye,
+    patch units, on brightness ``value`` and its neighbourhood's ``mean``. Between pixels it is
+    what fits at those next to the place."""
+    rows, columns = value.shape
+    x = (middle[0] + _ACROSS[0] + ORIGIN[0] - 0.5 * (COARSE - 1)) / COARSE
+    y = (middle[1] + _DOWN[0] + ORIGIN[1] - 0.5 * (COARSE - 1)) / COARSE
+    left, top = int(np.floor(x)), int(np.floor(y))
+    dark = np.empty((_HIGH + 2 * _MARGIN, _WIDE + 2 * _MARGIN), np.float32)
+    for j in range(dark.shape[0]):
+        row = min(max(top - _MARGIN + j, 0), rows - 1)
+        for i in range(dark.shape[1]):
+            column = min(max(left - _MARGIN + i, 0), columns - 1)
+            around = max(mean[row, column], np.float32(1.0))
+            ratio = around / max(value[row, column], np.float32(1.0))
+            dark[j, i] = min(np.log(max(ratio, np.float32(1.0))), np.float32(_DARKEST))
+    whole = np.zeros((_HIGH, _WIDE), np.float32)
+    for j in range(_HIGH):
+        for v in range(len(_PATTERN)):
+            for u in range(len(_PATTERN)):
+                if _PATTERN[v, u] != 0.0:
+                    for i in range(_WIDE):
+                        whole[j, i] += _PATTERN[v, u] * dark[j + v, i + u]
+    fit = np.empty((len(_DOWN), len(_ACROSS)))
+    for j in range(len(_DOWN)):
+        for i in range(len(_ACROSS)):
+            across, down = x - left + i / COARSE, y - top + j / COARSE
+            column, row = int(across), int(down)
+            fx, fy = across - column, down - row
+            upper = whole[row, column] * (1.0 - fx) + whole[row, column + 1] * fx
+            lower = whole[row + 1, column] * (1.0 - fx) + whole[row + 1, column + 1] * fx
+            fit[j, i] = upper * (1.0 - fy) + lower * fy
+    return fit

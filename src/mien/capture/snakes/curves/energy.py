@@ -80,7 +80,7 @@ def packed(terms: Terms) -> Array:
     )
 
 
-@njit(cache=True, nogil=True, fastmath=True, inline="always")
+@njit(cache=True, nogil=True, fastmath=True)
 def _look(field: Field, x: float, y: float, grain: float) -> tuple[float, float, float]:
     """Bilinear value of the field and its slopes by x and y, ``grain`` pixels a unit; beyond its
     rim it goes on level."""

@@ -70,14 +70,19 @@ def tallness(lens: Array) -> float:
     return most
 
 
+@njit(cache=True, nogil=True)
 def boxed(left: Array, right: Array, top: float, bottom: float) -> Array:
     """(6, 2) the lens between two ends that reaches from ``top`` above their chord to ``bottom``
     below it: the initial guess from a blob's box. A round shape has its middle points at the
     ends, a flat one at a quarter of the chord."""
-    chord = right - left
-    width = max(float(np.linalg.norm(chord)), 1e-6)
-    down = np.array([-chord[1], chord[0]]) / width
-    inset = 0.25 * np.clip(2.0 - (top + bottom) / (0.35 * width), 0.0, 1.0)
-    near, far = left + inset * chord, right - inset * chord
-    rise, fall = -4.0 / 3.0 * top * down, 4.0 / 3.0 * bottom * down
-    return np.stack([left, right, near + rise, far + rise, near + fall, far + fall])
+    x, y = right[0] - left[0], right[1] - left[1]
+    width = max(np.sqrt(x * x + y * y), 1e-6)
+    inset = 0.25 * min(max(2.0 - (top + bottom) / (0.35 * width), 0.0), 1.0)
+    lens = np.empty((6, 2))
+    for axis, chord, down in ((0, x, -y / width), (1, y, x / width)):
+        near, far = left[axis] + inset * chord, right[axis] - inset * chord
+        rise, fall = -4.0 / 3.0 * top * down, 4.0 / 3.0 * bottom * down
+        lens[0, axis], lens[1, axis] = left[axis], right[axis]
+        lens[2, axis], lens[3, axis] = near + rise, far + rise
+        lens[4, axis], lens[5, axis] = near + fall, far + fall
+    return lens

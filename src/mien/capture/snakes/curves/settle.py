@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 import cv2
 import numpy as np
@@ -80,6 +81,8 @@ class Expected:
     """``rest`` is the performer's own."""
     lost: bool
     """It was lost in the frame before."""
+    hint: Array | None = None
+    """(6, 2) where else the picture has it."""
 
 
 def settle(
@@ -89,16 +92,13 @@ def settle(
     ``corner`` and whose pixels are ``pitch`` patch units apart. Lips are sought from several
     starts, for they move fast; others from the last frame, and from their blob where that leads
     to nothing."""
-    starts = np.stack(_starts(group, field, corner, expected, pitch)).reshape(-1, 12)
+    starts = np.concatenate(_starts(group, field, corner, expected, pitch)).reshape(-1, 12)
+    coarse, middle, fine = (_blurred(field, blur) for blur in _blurs(pitch))
     place, value, across, lost = _come_to_rest(
         starts,
-        (
-            _blurred(field, _BLURS[0], pitch),
-            _blurred(field, _BLURS[1], pitch),
-            _blurred(field, _BLURS[2], pitch),
-        ),
+        (coarse, middle, fine),
         corner,
-        packed(Terms(least_width=_NARROWEST[group], pitch=pitch)),
+        _terms(group, pitch),
         *prior(group, expected.rest, expected.last, expected.known),
         expected.rest,
         _LIMITS[group],
@@ -106,12 +106,22 @@ def settle(
     return Settled(place.reshape(6, 2), value, across, lost)
 
 
-def _blurred(field: Field, blur: float, pitch: float) -> Field:
-    """``field`` blurred by ``blur`` patch units, of which its pixels have taken a share."""
-    left = np.sqrt(max(blur**2 - (pitch**2 - 1.0) / 12.0, 0.0)) / pitch
-    if left < _NEGLIGIBLE:
+def _blurred(field: Field, blur: float) -> Field:
+    if blur < _NEGLIGIBLE:
         return field
-    return np.asarray(cv2.GaussianBlur(field, (0, 0), left), dtype=np.float32)
+    return np.asarray(cv2.GaussianBlur(field, (0, 0), blur), dtype=np.float32)
+
+
+@cache
+def _terms(group: str, pitch: float) -> Array:
+    return packed(Terms(least_width=_NARROWEST[group], pitch=pitch))
+
+
+@cache
+def _blurs(pitch: float) -> tuple[float, ...]:
+    """_BLURS in pixels, of which pixels ``pitch`` patch units apart have taken a share."""
+    left = np.maximum(np.square(_BLURS) - (pitch**2 - 1.0) / 12.0, 0.0)
+    return tuple((np.sqrt(left) / pitch).tolist())
 
 
 @njit(cache=True, nogil=True)
@@ -127,30 +137,27 @@ def _come_to_rest(
 ) -> tuple[Array, float, float, bool]:
     """Lens (12,), energy, contrast, and whether it is lost: the best of the starts (S, 12) on the
     coarse field, brought to rest on the finer ones."""
+    terms = terms.copy()
     best, least = starts[0], np.inf
-    for start in range(len(starts)):
-        terms[3] = _reach(starts[start])
-        place, value = descend(
-            starts[start], fields[0], corner, terms, quadratic, linear, _STEPS[0], _FIRST_STEP[0]
-        )
-        if value < least:
-            best, least = place, value
-    for level in range(1, len(_STEPS)):
-        terms[3] = _reach(best)
-        best, least = descend(
-            best,
-            fields[level],
-            corner,
-            terms,
-            quadratic,
-            linear,
-            _STEPS[level],
-            _FIRST_STEP[level],
-        )
-    bare = terms.copy()
-    bare[0], bare[3], bare[4] = 0.0, _reach(best), 0.0
+    for level in range(len(_STEPS)):
+        begin, least = starts if level == 0 else best.reshape(1, 12), np.inf
+        for start in range(len(begin)):
+            terms[3] = _reach(begin[start])
+            place, value = descend(
+                begin[start],
+                fields[level],
+                corner,
+                terms,
+                quadratic,
+                linear,
+                _STEPS[level],
+                _FIRST_STEP[level],
+            )
+            if value < least:
+                best, least = place, value
+    terms[0], terms[3], terms[4] = 0.0, _reach(best), 0.0
     nothing = np.zeros((12, 12))
-    across = -evaluate(best, fields[1], corner, bare, nothing, nothing[0], np.empty(12))
+    across = -evaluate(best, fields[1], corner, terms, nothing, nothing[0], np.empty(12))
     lost = across < limits[0] or _wild(best.reshape(6, 2), rest, limits)
     return best, least, across, lost
 
@@ -198,4 +205,6 @@ def _starts(
         starts += [middle + (last - middle) * np.array([1.0, s]) for s in (_FLATTER, _TALLER)]
     if group == "lip" or expected.lost:
         starts.append(expected.rest)
+    if expected.hint is not None:
+        starts.append(expected.hint)
     return starts
