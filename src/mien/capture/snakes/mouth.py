@@ -10,7 +10,6 @@ from numba import njit
 from numpy.typing import NDArray
 
 from mien.capture.snakes.colour.pigments import Pigments
-from mien.capture.snakes.colour.skin import USUAL_SKIN
 from mien.capture.snakes.colour.transform import MAGENTA_SKIN, Box, Field
 from mien.capture.snakes.curves import lens as lenses
 from mien.capture.snakes.curves.lens import (
@@ -43,11 +42,7 @@ _WIDE = 0.5
 """Share of the lips' width that an opening has at least: a dark spot in shaded lips has less."""
 _RING = 0.14
 """Depth of the lips' own colour inside their outline, in heights."""
-_STRIP, _HAIRY = 6.0, 0.2
-"""Patch units above the lips, and ln(V of the skin / V) from which hair grows there."""
 _MARGIN = np.ones((3, 3), np.uint8)
-_GROWN = np.ones((3, 3), np.uint8)
-"""How far the open mouth may have grown since the last frame, in pixels of the small patch."""
 _END = np.array([WIDTH, HEIGHT])
 _LAST = _END - 1
 
@@ -92,17 +87,6 @@ def lip_colour(outline: Array, seen: Pigments) -> LipColour:
     return LipColour(max(bright, 1.0), max(pink, 0.5 * MAGENTA_SKIN))
 
 
-def with_inside(field: Field, outline: Array, seen: Pigments, lips: LipColour) -> Field:
-    """``field`` of the lips, of the same pixels as ``seen``, with the open mouth inside their last
-    ``outline`` (6, 2) filled: a wide mouth has a thin ring for lips. A moustache is as dark as a
-    mouth, and curves that lie on one would stay there: under one nothing is filled."""
-    if moustache(outline, seen):
-        return field
-    dark, teeth = inside_masks(seen, lips)
-    near = np.asarray(cv2.dilate(filled(outline, seen), _GROWN), dtype=np.uint8)
-    return np.maximum(field, ((dark | teeth) & near).astype(np.float32))
-
-
 def around(outline: Array) -> Box:
     """Columns and rows of the patch that hold a lens (6, 2)."""
     left, top = np.clip(np.floor(outline.min(axis=0) + ORIGIN).astype(int) - 2, 0, _LAST)
@@ -115,12 +99,6 @@ def inside_masks(seen: Pigments, lips: LipColour) -> tuple[Mask, Mask]:
     dark = seen.value < lips.value * np.exp(-_DARK)
     teeth = (seen.magenta < _PALE * MAGENTA_SKIN) & (seen.value > BRIGHT * lips.value)
     return dark.view(np.uint8), teeth.view(np.uint8)
-
-
-def moustache(outline: Array, seen: Pigments) -> bool:
-    """Whether what is above the lips (6, 2) is darker than skin: dark is no sign then."""
-    strip = upper_curve(outline, 15)[3:-3] - np.array([0.0, _STRIP])
-    return bool(median(seen.values(seen.value, strip)) < USUAL_SKIN.max() * np.exp(-_HAIRY))
 
 
 def filled(outline: Array, seen: Pigments) -> Mask:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mien.capture.snakes.aperture import aperture
+from mien.capture.snakes.colour.glow import dimmed, excess
 from mien.capture.snakes.colour.pigments import pigments
 from mien.capture.snakes.colour.skin import skin_colour
 from mien.capture.snakes.colour.transform import Weights, window
@@ -24,6 +25,7 @@ from mien.capture.snakes.curves.fields import (
     usual_weights,
 )
 from mien.capture.snakes.curves.settle import Expected, settle
+from mien.capture.snakes.gape import find_gape
 from mien.capture.snakes.head.box import find_face
 from mien.capture.snakes.head.flow import NOSE, choose, follow
 from mien.capture.snakes.head.patch import COARSE, EYES, Picture, Placement
@@ -37,7 +39,6 @@ from mien.capture.snakes.mouth import (
     find_opening,
     lip_colour,
     look_inside,
-    with_inside,
 )
 from mien.capture.snakes.tongue import Tongue, find_tongue
 
@@ -100,6 +101,8 @@ class Seen:
     weights: Mapping[str, Weights]
     grey: Picture
     lips: LipColour
+    glow: float
+    """How much of I is taken from lips and the skin round them."""
     recovered: bool = False
     """The face had to be found anew."""
 
@@ -250,10 +253,13 @@ class SnakeCapture:
             if feature.group == "brow":
                 eye = lenses[ROW[feature.name.replace("brow", "eye")]]
                 field = brow_field(field, corner, rest[row], eye)
-            if feature.group == "lip" and known:
-                field = with_inside(field, start.lenses[row], mouth, lips)
+            hint = None
+            if feature.group == "lip":
+                glow = excess(field, None if self._last is None else self._last.glow)
+                gape = find_gape(dimmed(field, glow), mouth, lips)
+                field, hint = gape.field, gape.lens
             gone = self._last is not None and bool(self._last.lost[row])
-            expected = Expected(rest[row], start.lenses[row], known, gone)
+            expected = Expected(rest[row], start.lenses[row], known, gone, hint)
             settled = settle(feature.group, field, corner, expected, feature.pitch)
             lost[row], contrast[row] = settled.lost, settled.contrast
             if not settled.lost or strange:
@@ -284,6 +290,7 @@ class SnakeCapture:
             weights,
             _grey(patch),
             lips,
+            glow,
         )
 
 

@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
+from mien.capture.snakes.colour.glow import dimmed
 from mien.capture.snakes.colour.transform import window
 from mien.capture.snakes.curves.features import FEATURES, NAMES, ROW
 from mien.capture.snakes.curves.fields import field_of
@@ -59,7 +60,9 @@ def _transformed(seen: Seen) -> NDArray[np.uint8]:
     picture = np.repeat(seen.grey[..., None] // 4, 3, axis=2)
     for feature in FEATURES:
         left, top, right, bottom = window(feature.box)
-        field = (field_of(seen.look, feature, seen.weights) * 255.0).astype(np.uint8)
-        whole = cv2.resize(field, (right - left, bottom - top))
+        field = field_of(seen.look, feature, seen.weights)
+        if feature.group == "lip":
+            field = dimmed(field, seen.glow)
+        whole = cv2.resize((field * 255.0).astype(np.uint8), (right - left, bottom - top))
         picture[top:bottom, left:right] = whole[..., None]
     return picture
