@@ -68,7 +68,7 @@ class Weights:
 
 
 USUAL_WEIGHTS = {
-    "brow": Weights(0.0, 0.75, -0.2, 0.0, 0.30),
+    "brow": Weights(0.0, 1.3, -0.1, 0.0, 0.30),
     "eye": Weights(-0.1, 0.4, -0.43, 0.0, 0.08),
     "sclera": Weights(-0.5, 0.0, 0.0, 0.0, 0.05),
     "nostril": Weights(0.0, 0.75, -0.2, 0.0, 0.20),
