@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.capture.snakes.head.patch import ORIGIN, Picture
+from mien.capture.snakes.head.patch import ORIGIN, WIDTH, Picture
 
 Array = NDArray[np.float64]
 
@@ -20,22 +20,23 @@ _DARKEST = 4.0
 """Channels below are noise, whatever the light."""
 
 
-def _sampled() -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+def _sampled() -> NDArray[np.intp]:
+    """Where the samples are in the row of all pixels of a patch."""
     places = [
         np.mgrid[top:bottom:_SPACING, left:right:_SPACING].reshape(2, -1)
         for left, top, right, bottom in _ZONES
     ]
     rows, columns = np.concatenate(places, axis=1)
-    return rows + int(ORIGIN[1]), columns + int(ORIGIN[0])
+    return np.asarray((rows + int(ORIGIN[1])) * WIDTH + columns + int(ORIGIN[0]))
 
 
-_ROWS, _COLUMNS = _sampled()
+_SAMPLED = _sampled()
 
 
 def skin_colour(patch: Picture) -> Array:
     """(3,) median of R, G, B over cheeks and bridge: glints, moles and glasses do not count."""
-    middle = len(_ROWS) // 2
-    colours = np.partition(patch[_ROWS, _COLUMNS], middle, axis=0)[middle]
+    middle = len(_SAMPLED) // 2
+    colours = np.partition(patch.reshape(-1, 3).take(_SAMPLED, axis=0), middle, axis=0)[middle]
     return np.asarray(np.maximum(colours, _DARKEST))
 
 

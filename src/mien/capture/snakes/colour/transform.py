@@ -115,7 +115,7 @@ def transform(
             mean,
             np.array(rows, dtype=np.float32),
             window(box, pitch),
-            COARSE // pitch,
+            (COARSE // pitch).bit_length() - 1,
         )
     )
 
@@ -173,7 +173,7 @@ def window(box: Box, pitch: int = 1) -> Box:
     )
 
 
-@njit(cache=True, nogil=True, fastmath=True, inline="always")
+@njit(cache=True, nogil=True, fastmath=True)
 def _pixel(patch: Picture, gains: Field, y: int, x: int) -> tuple[Any, Any, Any]:
     """Red, green and blue of one pixel under the skin's own light."""
     return patch[y, x, 0] * gains[0], patch[y, x, 1] * gains[1], patch[y, x, 2] * gains[2]
@@ -182,36 +182,41 @@ def _pixel(patch: Picture, gains: Field, y: int, x: int) -> tuple[Any, Any, Any]
 @njit(cache=True, nogil=True, fastmath=True)
 def _brightness(patch: Picture, gains: Field) -> Field:
     rows, columns, _ = patch.shape
-    value = np.empty((rows, columns), dtype=np.float32)
-    for y in range(rows):
-        for x in range(columns):
-            r, g, b = _pixel(patch, gains, y, x)
-            value[y, x] = min(max(r, g, b), np.float32(_BRIGHTEST))
-    return value
+    value = np.empty(rows * columns, dtype=np.float32)
+    # Flat, so that the compiler knows how far pixels are apart: it then does several at once.
+    flat = patch.reshape(-1)
+    for n in range(rows * columns):
+        r, g, b = flat[3 * n] * gains[0], flat[3 * n + 1] * gains[1], flat[3 * n + 2] * gains[2]
+        value[n] = min(max(r, g, b), np.float32(_BRIGHTEST))
+    return value.reshape(rows, columns)
 
 
 @njit(cache=True, nogil=True, fastmath=True)
 def _transform(
-    patch: Picture, gains: Field, mean: Field, weights: Field, box: Box, step: int
+    patch: Picture, gains: Field, mean: Field, weights: Field, box: Box, halvings: int
 ) -> Field:
+    """``mean`` has its pixels 2^``halvings`` pixels apart: divided by a number that is not known
+    beforehand, their places would take as long as all the rest."""
     left, top, right, bottom = box
     result = np.empty((bottom - top, right - left), dtype=np.float32)
     level = np.float32(_LEVELS / _BRIGHTEST)
-    coloured = False
+    pink = tinted = False
     for i in range(len(weights)):
-        coloured = coloured or weights[i, 0] != 0.0 or weights[i, 3] != 0.0
+        pink = pink or weights[i, 0] != 0.0
+        tinted = tinted or weights[i, 3] != 0.0
     magenta = hued = np.float32(0.0)
     for y in range(top, bottom):
         for x in range(left, right):
             r, g, b = _pixel(patch, gains, y, x)
             v = max(r, g, b, np.float32(0.25))
-            if coloured:
+            if pink:
                 magenta = ((v - g) / v - np.float32(MAGENTA_SKIN)) / np.float32(0.15)
                 magenta = min(max(magenta, np.float32(-2.0)), np.float32(2.0))
+            if tinted:
                 hue = _hue_of(r, g, b, v)
                 hued = _HUES[int((hue + np.float32(180.0)) * np.float32(_LEVELS / 360.0))]
             bright = _LOG[int(min(v, np.float32(_BRIGHTEST)) * level)]
-            black = _LOG[int(mean[y // step, x // step] * level)] - bright
+            black = _LOG[int(mean[y >> halvings, x >> halvings] * level)] - bright
             black = min(max(black, np.float32(-0.6)), np.float32(1.5))
             bright = min(max(bright, np.float32(-1.5)), np.float32(0.6))
             intensity = np.float32(-1.0)
@@ -229,7 +234,7 @@ def _transform(
     return result
 
 
-@njit(cache=True, nogil=True, fastmath=True, inline="always")
+@njit(cache=True, nogil=True, fastmath=True)
 def _hue_of(r: float, g: float, b: float, most: float) -> Any:
     """Degrees, -180..180."""
     spread = most - min(r, g, b) + np.float32(1e-3)

@@ -7,6 +7,8 @@ right, those of the lower one. Units are patch units (see ``patch``), y down.
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
@@ -32,18 +34,26 @@ def fit_lens(upper: Array, lower: Array) -> Array:
 
 def upper_curve(lens: Array, samples: int = 21) -> Array:
     """(..., S, 2) the upper edge of lenses (..., 6, 2)."""
-    return bezier.curve(lens[..., UPPER, :], samples)
+    return np.asarray(_shares(samples)[0] @ lens)
 
 
 def lower_curve(lens: Array, samples: int = 21) -> Array:
     """(..., S, 2) the lower edge."""
-    return bezier.curve(lens[..., LOWER, :], samples)
+    return np.asarray(_shares(samples)[1] @ lens)
 
 
 def outline(lens: Array, samples: int = 21) -> Array:
     """(..., 2 S, 2) round the lens once: along the top and back below."""
-    back = lower_curve(lens, samples)[..., ::-1, :]
-    return np.concatenate([upper_curve(lens, samples), back], axis=-2)
+    return np.asarray(_shares(samples)[2] @ lens)
+
+
+@cache
+def _shares(samples: int) -> tuple[Array, Array, Array]:
+    """(S, 6), (S, 6) and (2 S, 6) what each point of a lens counts along its upper and its lower
+    edge, and round it."""
+    upper, lower = np.zeros((2, samples, 6))
+    upper[:, UPPER] = lower[:, LOWER] = bezier.bernstein(np.linspace(0.0, 1.0, samples))
+    return upper, lower, np.concatenate([upper, lower[::-1]])
 
 
 def height(lens: Array) -> Array:
