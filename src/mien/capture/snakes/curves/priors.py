@@ -19,10 +19,11 @@ _STRANGE_CORNERS = 0.006
 """The same before the performer is known, while nothing turns: paint beside the eye pulls less."""
 _LIDS = 0.0007
 """Lids stay where they were."""
-_BROW_SHAPE, _BROW_THICKNESS = 0.002, 0.004
+_BROW_SHAPE, _BROW_THICKNESS = 0.0015, 0.004
 """A brow keeps its shape but for its place, and its thickness."""
-_BROW_ALONG = 0.003
-"""Its ends fade into the skin: they are where they are at rest, across the face."""
+_BROW_ALONG, _STRANGE_ALONG = 0.001, 0.003
+"""Its ends fade into the skin: they are where they are at rest, across the face; the more so
+before the performer is known."""
 _STRANGER = 0.1
 """How much less the shape of everybody's brow is trusted than the performer's own."""
 _NOSTRIL_SHAPE, _NOSTRIL_PLACE = 0.002, 0.002
@@ -32,7 +33,8 @@ _LIPS = 0.00004
 _LIP_CORNERS = 0.002
 """The mouth's corners stay about as far up between the lips as they are at rest."""
 _EVENNESS = 0.0005
-"""The two halves of lids and lips differ as they do at rest."""
+"""The two halves of brows, lids and lips differ as they do at rest: what is dark below one half of
+a brow is shadow or paint, and would take the brow's edge with it."""
 
 
 def _pick(points: list[int]) -> Array:
@@ -80,7 +82,8 @@ def _squares(group: str, known: bool) -> tuple[Array, Array, Array]:
         trust = 1.0 if known else _STRANGER
         shape = _square(trust * _BROW_SHAPE, _SHAPE)
         thickness = _square(trust * _BROW_THICKNESS, _THICKNESS)
-        to_rest = shape + thickness + _square(_BROW_ALONG, _ALONG)
+        along = _square(_BROW_ALONG if known else _STRANGE_ALONG, _ALONG)
+        to_rest = shape + thickness + along + _square(_EVENNESS, _EVEN)
         to_last = np.zeros((12, 12))
     elif group == "nostril":
         place = _NOSTRIL_PLACE * (1.0 if known else 0.5)
