@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 
 from mien.capture import CAPTURES, CaptureSettings
 from mien.capture.known import curve_calibration
-from mien.capture.learn import drawn_lenses
+from mien.capture.learn import drawn_lenses, mesh_lenses
 from mien.capture.snakes.colour.regions import means, subareas
 from mien.capture.snakes.colour.training import GROUPS, teach
-from mien.capture.snakes.curves.features import LASTING, NAMES, ROW, usual_lenses
+from mien.capture.snakes.curves.features import LASTING, MOUTH, NAMES, ROW, usual_lenses
 from mien.capture.snakes.curves.lens import height, outline
 from mien.capture.snakes.curves.settle import Expected, settle
 from mien.capture.snakes.head.patch import Placement
@@ -174,6 +174,15 @@ def test_networks_are_taught_from_known_features(film: list[Picture]) -> None:
     networks = teach([(seen.look.patch, seen.lenses)])
     assert set(networks) == set(GROUPS)
     assert all(np.isfinite(each.hidden).all() for each in networks.values())
+
+
+def test_landmarks_move_brows_half_of_the_way_and_nostrils_not_at_all() -> None:
+    points = 100.0 * np.random.default_rng(0).random((478, 2))
+    curves = np.zeros((MOUTH + 1, 6, 2))
+    moved = mesh_lenses(points, curves + 1.0) - mesh_lenses(points, curves)
+    share = {"brow": 0.5, "nost": 1.0}
+    for row, name in enumerate((*NAMES, "mouth")):
+        assert np.allclose(moved[row], share.get(name[:4], 0.0)), name
 
 
 def test_rectangles_become_lenses() -> None:

@@ -174,7 +174,8 @@ def drawn_lenses(rectangles: Mapping[str, Array], placement: Placement, curves: 
 
 def mesh_lenses(points: Array, curves: Array) -> Array:
     """(L + 1, 6, 2) lenses on the landmarks (478, 2) of one frame; ``curves`` stand for nostrils,
-    of which landmarks only mark the floor."""
+    of which landmarks only mark the floor. Landmarks place brows too high, and curves take the
+    shadow below for brow: between the two lies the truth."""
     lid, lip, inner = LID_LOOPS[0], LIP_LOOPS[3], LIP_LOOPS[0]
     edges: dict[str, Sequence[NDArray[np.intp]]] = {
         "brow_left": (BROW_UPPER, BROW_LOWER),
@@ -187,7 +188,8 @@ def mesh_lenses(points: Array, curves: Array) -> Array:
     result = curves.copy()
     for row, name in enumerate((*NAMES, "mouth")):
         if name in edges:
-            result[row] = fit_lens(points[edges[name][0]], points[edges[name][1]])
+            lens = fit_lens(points[edges[name][0]], points[edges[name][1]])
+            result[row] = 0.5 * (lens + result[row]) if name.startswith("brow") else lens
     return result
 
 
