@@ -206,7 +206,7 @@ def test_the_pose_is_found_again() -> None:
     seen[:4] += 30.0
     found = RESTING
     for _ in range(12):
-        found = fit_pose(rest, seen, found)
+        found = fit_pose(rest, seen, np.ones(40), np.full(40, 4.0), found)
     assert np.abs(found(rest[4:]) - seen[4:]).max() < 0.3
     back, level = true.levelled()
     assert np.allclose(true(rest) @ back[:, :2].T + back[:, 2], level(rest))

@@ -23,7 +23,10 @@ def usual() -> Array:
 def seen_from(turn: Array) -> Array:
     """(MOUTH + 1, 6, 2) the lenses of a usual face under ``turn``, as snakes lay them: even along
     what is seen, for a curve does not tell how it was drawn."""
-    edges = [lifted(curve(usual(), 41)) @ turn[:2].T for curve in (upper_curve, lower_curve)]
+    edges = [
+        lifted(curve(usual(), 41), usual_features()) @ turn[:2].T
+        for curve in (upper_curve, lower_curve)
+    ]
     return np.stack([fit_lens(upper, lower) for upper, lower in zip(*edges, strict=True)])
 
 
@@ -34,7 +37,7 @@ def test_a_face_that_looks_ahead_keeps_its_points() -> None:
 @pytest.mark.parametrize("degrees", [-25.0, -12.0, 12.0, 25.0])
 def test_points_of_the_lips_turn_with_the_head(degrees: float) -> None:
     turn = from_vector(np.array([0.0, np.radians(degrees), 0.0]))
-    true = (lifted(places(usual())) @ turn[:2].T)[ALONG]
+    true = (lifted(places(usual()), usual_features()) @ turn[:2].T)[ALONG]
     lenses = seen_from(turn)
     told = np.abs(places(lenses, turn)[ALONG] - true).mean()
     untold = np.abs(places(lenses)[ALONG] - true).mean()

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mien.capture.snakes.curves.features import MOUTH, ROW, usual_features, usual_lenses
-from mien.capture.snakes.curves.lens import LOWER, UPPER
+from mien.capture.snakes.curves.lens import LOWER, UPPER, fit_lens, lower_curve, upper_curve
 from mien.capture.snakes.head.relief import lifted
 from mien.face.character import Character
 from mien.numeric.bezier import bernstein
@@ -54,8 +54,12 @@ _EDGE = np.array([[edge != DOWN, edge != UP] for _, edge, _ in _PLACES.values()]
 _EDGE /= _EDGE.sum(axis=1, keepdims=True)
 """(P, 2) what the upper and the lower curve count."""
 _AT = np.array([at for _, _, at in _PLACES.values()])
+_ENDS = (_AT == 0.0) | (_AT == 1.0)
 _FARTHEST = 0.25
 """Of the parameter by which a turn may move a point along its curve."""
+_TRIAL = 0.17
+"""Sine of the turns by which a usual face is turned to see by how much."""
+_SAMPLES = 201
 
 
 def places(lenses: Array, turn: Array | None = None) -> Array:
@@ -65,31 +69,52 @@ def places(lenses: Array, turn: Array | None = None) -> Array:
     (3, 3, x right, y down, z away) says: of a mouth that is seen from the side, the far half is
     short.
     """
-    share = bernstein(_AT if turn is None else _AT + _slid(turn))
+    return np.asarray(np.einsum("pc,pcx->px", bernstein(_at(turn)), _curves(lenses)))
+
+
+def _at(turn: Array | None) -> Array:
+    """(P,) the parameter of each point on its curve."""
+    if turn is None:
+        return _AT
+    slid = _slides() @ turn[:2, 2]
+    return np.asarray(_AT + np.clip(slid, -_FARTHEST, _FARTHEST))
+
+
+def _curves(lenses: Array) -> Array:
+    """(P, 4, 2) control points of the curve that each point lies on."""
     curves = lenses[_LENS][:, np.stack([UPPER, LOWER])]
-    return np.asarray(np.einsum("pc,pe,pecx->px", share, _EDGE, curves))
-
-
-def _slid(turn: Array) -> Array:
-    """(P,) by how much of its chord each point of a resting face slides along it."""
-    points, ends = _resting()
-    return np.clip(
-        _shares(points, ends, turn) - _shares(points, ends, np.eye(3)), -_FARTHEST, _FARTHEST
-    )
-
-
-def _shares(points: Array, ends: Array, turn: Array) -> Array:
-    """(P,) shares of the chord between ``ends`` (P, 2, 3) at which ``points`` (P, 3) are seen."""
-    seen, (first, last) = points @ turn[:2].T, np.moveaxis(ends @ turn[:2].T, 1, 0)
-    chord = last - first
-    return np.asarray(((seen - first) * chord).sum(axis=1) / (chord**2).sum(axis=1))
+    return np.asarray(np.einsum("pe,pecx->pcx", _EDGE, curves))
 
 
 @cache
-def _resting() -> tuple[Array, Array]:
-    """(P, 3) the points and (P, 2, 3) the ends of their curves on a usual face, patch units."""
-    usual = np.concatenate([usual_features(), usual_lenses()["mouth"][None]])
-    return lifted(places(usual)), lifted(usual[_LENS, :2])
+def _slides() -> Array:
+    """(P, 2) by how much of the parameter a point slides along its curve for what depth moves in
+    the picture, right and down: a usual face is turned either way, its curves drawn as they are
+    seen, and its points looked for on them."""
+    features = usual_features()
+    lenses = np.concatenate([features, usual_lenses()["mouth"][None]])
+    edges = [lifted(curve(lenses, _SAMPLES), features) for curve in (upper_curve, lower_curve)]
+    points = lifted(places(lenses), features)
+    slides = np.empty((len(POINTS), 2))
+    for axis in range(2):
+        ahead, back = (_seen_at(points, edges, axis, sine) for sine in (_TRIAL, -_TRIAL))
+        slides[:, axis] = (ahead - back) / (2.0 * _TRIAL)
+    slides[_ENDS] = 0.0
+    return slides
+
+
+def _seen_at(points: Array, edges: list[Array], axis: int, sine: float) -> Array:
+    """(P,) the parameters at which ``points`` (P, 3) are seen on curves through ``edges`` (two of
+    L + 1, S, 3), where depth moves along ``axis`` by ``sine``."""
+    turn = np.eye(3)[:2]
+    turn[axis, axis], turn[axis, 2] = np.sqrt(1.0 - sine**2), sine
+    upper, lower = (edge @ turn.T for edge in edges)
+    curves = _curves(np.stack([fit_lens(*pair) for pair in zip(upper, lower, strict=True)]))
+    samples = np.linspace(0.0, 1.0, _SAMPLES)
+    drawn = np.einsum("sc,pcx->psx", bernstein(samples), curves)
+    chord = curves[:, -1] - curves[:, 0]
+    away = ((drawn - (points @ turn.T)[:, None]) * chord[:, None]).sum(axis=-1)
+    return np.asarray(samples[np.abs(away).argmin(axis=1)])
 
 
 def depths(generic: Character) -> Array:

@@ -31,6 +31,7 @@ from mien.capture.snakes.head.flow import NOSE, choose, follow
 from mien.capture.snakes.head.patch import COARSE, EYES, Picture, Placement
 from mien.capture.snakes.head.pose import RESTING, Pose, fit_pose
 from mien.capture.snakes.head.relief import lifted
+from mien.capture.snakes.head.rigid import Rigid, neck_of, remembered
 from mien.capture.snakes.iris import find_irises
 from mien.capture.snakes.mouth import (
     LipColour,
@@ -50,8 +51,6 @@ _LIPS = ROW["lips"]
 _UPPER_FACE = [ROW[name] for name in ("eye_right", "eye_left", "brow_right", "brow_left")]
 _FIRST_ROUNDS = 4
 """How often the first patch is moved until the eyes lie where eyes are."""
-_CORNER_WEIGHT = 6
-"""Points of the nose that an eye corner counts for: far apart, they tell how the head leans."""
 _PUPILS_APART, _LIKELY = 1.03, (0.8, 1.2)
 """Distance of the pupils in distances of the eyes' middles, and how far a face may differ."""
 _FEWEST = 3
@@ -86,6 +85,8 @@ class Seen:
     """(L + 1, 6, 2) features and the mouth's opening, patch units."""
     rigid: Array
     """(COUNT, 2) points of nose and inner eyes, patch units."""
+    neck: Array
+    """(2,) where the head's neck is believed to be, pixels of the frame."""
     lost: Bools
     """(L,) features that were not found; their lenses are the last ones that were."""
     contrast: Array
@@ -115,6 +116,7 @@ class _Start:
     pose: Pose
     lenses: Array
     rigid: Array
+    neck: Array
 
 
 class SnakeCapture:
@@ -136,7 +138,7 @@ class SnakeCapture:
         self._missing = 0
         self._looked: int | None = None
         self.appearance: Appearance | None = None
-        self._rest = lifted(usual_features())
+        self._rest = lifted(usual_features(), usual_features())
         if appearance is not None:
             self._remember(appearance)
 
@@ -183,8 +185,9 @@ class SnakeCapture:
 
     def _remember(self, appearance: Appearance) -> None:
         self.appearance = appearance
-        self._rest = lifted(appearance.rest)
-        self._points = lifted(appearance.points)
+        self._rest = lifted(appearance.rest, appearance.rest)
+        points = lifted(appearance.points, appearance.rest)
+        self._rigid = Rigid.of(points, self._rest[_EYES, :2].reshape(-1, 3))
 
     def _follow(self, image: Picture) -> _Start | None:
         """Where the last frame's face went."""
@@ -198,19 +201,20 @@ class SnakeCapture:
         if moved is None:
             return None
         carried = last.lenses @ moved.similarity[:, :2].T + moved.similarity[:, 2]
-        return self._turned(last.placement, moved.points, carried, last.pose)
+        return self._turned(last.placement, moved.points, carried, last.neck, last.pose)
 
-    def _turned(self, placement: Placement, rigid: Array, lenses: Array, pose: Pose) -> _Start:
+    def _turned(
+        self, placement: Placement, rigid: Array, lenses: Array, neck: Array, pose: Pose
+    ) -> _Start:
         """The start with the patch put where the head's scale, roll and place are those at rest;
         ``rigid`` and ``lenses`` were seen in the patch of ``placement``."""
-        corners = np.tile(lenses[_EYES, :2].reshape(-1, 2), (_CORNER_WEIGHT, 1))
-        rest = np.tile(self._rest[_EYES, :2].reshape(-1, 3), (_CORNER_WEIGHT, 1))
-        pose = fit_pose(
-            np.concatenate([self._points, rest]), np.concatenate([rigid, corners]), pose
-        )
+        corners = lenses[_EYES, :2].reshape(-1, 2)
+        seen = np.concatenate([rigid, corners, placement.to_patch(neck)[None]])
+        head = self._rigid
+        pose = fit_pose(head.places, seen, head.weight, head.knee, pose)
         back, level = pose.levelled()
-        on = Placement(back)
-        return _Start(placement.moved(back), level, on.to_patch(lenses), on.to_patch(rigid))
+        on, neck = Placement(back), remembered(neck, neck_of(placement, pose))
+        return _Start(placement.moved(back), level, on.to_patch(lenses), on.to_patch(rigid), neck)
 
     def _find(self, image: Picture) -> _Start | None:
         """Look for a face in the whole picture, and bring its patch right."""
@@ -221,17 +225,18 @@ class SnakeCapture:
         known = self.appearance is not None
         eyes = self._rest[_EYES, :2, :2].mean(axis=1) if known else EYES
         for _ in range(_FIRST_ROUNDS):
-            start = _Start(placement, RESTING, lenses, np.zeros((0, 2)))
+            start = _fresh(placement, lenses)
             seen = self._fit(start, image, strange=True)
             better = Placement.at(placement.to_frame(_middles(seen)), eyes)
             lenses = better.to_patch(placement.to_frame(seen.lenses))
             placement = better
         if self.appearance is None:
-            return _Start(placement, RESTING, lenses, np.zeros((0, 2)))
+            return _fresh(placement, lenses)
         points = self.appearance.points
         grey = _grey(placement.warp(image, NOSE))
         moved = follow(self.appearance.anchor, points, points, grey)
-        return self._turned(placement, points if moved is None else moved.points, lenses, RESTING)
+        there = points if moved is None else moved.points
+        return self._turned(placement, there, lenses, neck_of(placement, RESTING), RESTING)
 
     def _fit(self, start: _Start, image: Picture, strange: bool = False) -> Seen:
         """Let all curves settle; ``strange`` where it is not sure whether the patch lies right."""
@@ -280,6 +285,7 @@ class SnakeCapture:
             start.pose,
             lenses,
             start.rigid,
+            start.neck,
             lost,
             contrast,
             opening,
@@ -292,6 +298,11 @@ class SnakeCapture:
             lips,
             glow,
         )
+
+
+def _fresh(placement: Placement, lenses: Array) -> _Start:
+    """The start of a face that nothing is known of but its place."""
+    return _Start(placement, RESTING, lenses, np.zeros((0, 2)), neck_of(placement, RESTING))
 
 
 def _middles(seen: Seen) -> Array:

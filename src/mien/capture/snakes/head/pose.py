@@ -20,8 +20,6 @@ from mien.numeric.positive import eliminate
 Array = NDArray[np.float64]
 
 _ROUNDS = 4
-_KNEE = 4.0
-"""Patch units of a residual from where a point counts half."""
 _STIFFNESS = 50.0
 """Squared patch units a squared radian by which a head's turn from one frame to the next costs."""
 
@@ -56,16 +54,23 @@ class Pose:
 RESTING = Pose(np.eye(3), 1.0, np.zeros(2))
 
 
-def fit_pose(rest: Array, seen: Array, start: Pose) -> Pose:
-    """The pose that brings ``rest`` (N, 3) onto ``seen`` (N, 2): least squares with Cauchy
-    weights, from ``start`` on."""
-    rotation, scale, shift = _fit(rest, seen, start.rotation, start.scale, start.shift)
+def fit_pose(rest: Array, seen: Array, weight: Array, knee: Array, start: Pose) -> Pose:
+    """The pose that brings ``rest`` (N, 3) onto ``seen`` (N, 2), from ``start`` on: least squares
+    with ``weight`` (N,), less by Cauchy's function from a miss of ``knee`` (N,) patch units on."""
+    known = start.rotation, start.scale, start.shift
+    rotation, scale, shift = _fit(rest, seen, weight, knee, *known)
     return Pose(rotation, scale, shift)
 
 
 @njit(cache=True, nogil=True)
 def _fit(
-    rest: Array, seen: Array, rotation: Array, scale: float, shift: Array
+    rest: Array,
+    seen: Array,
+    weight: Array,
+    knee: Array,
+    rotation: Array,
+    scale: float,
+    shift: Array,
 ) -> tuple[Array, float, Array]:
     # Loops alone: what NumPy does for a kernel takes numba seconds to compile.
     turn, move, size = rotation.copy(), shift.copy(), scale
@@ -80,7 +85,7 @@ def _fit(
             z = turn[2, 0] * rest[n, 0] + turn[2, 1] * rest[n, 1] + turn[2, 2] * rest[n, 2]
             miss_x = seen[n, 0] - size * x - move[0]
             miss_y = seen[n, 1] - size * y - move[1]
-            trust = 1.0 / (1.0 + (miss_x**2 + miss_y**2) / _KNEE**2)
+            trust = weight[n] / (1.0 + (miss_x**2 + miss_y**2) / knee[n] ** 2)
             row[0], row[1], row[2], row[3] = 0.0, size * z, -size * y, x
             column[0], column[1], column[2], column[3] = -size * z, 0.0, size * x, y
             for i in range(6):
