@@ -32,7 +32,7 @@ PALE_LIP, RED_TONGUE = (200.0, 134.0, 108.0), (200.0, 80.0, 75.0)
 Colour = tuple[float, float, float]
 
 
-USUAL = Tongue(0.0, 12.0, 0.0, 0)
+USUAL = Tongue(0.0, 12.0)
 
 
 def mouth(
@@ -41,12 +41,11 @@ def mouth(
     lip: Colour = LIP,
     bottom: int = 9,
     usual: Tongue = USUAL,
-    fuller: float = 1.0,
 ) -> Tongue:
     """What is found in a painted mouth: dark above, ``inner`` and ``low`` below one another, down
-    to row ``bottom`` from the middle; lips at rest are ``fuller`` than usual."""
-    rest = usual_lenses()["lips"]
-    lips = rest.mean(axis=0) + (rest - rest.mean(axis=0)) * np.array([1.0, 2.5])
+    to row ``bottom`` from the middle."""
+    lips = usual_lenses()["lips"]
+    lips = lips.mean(axis=0) + (lips - lips.mean(axis=0)) * np.array([1.0, 2.5])
     corner, shape = np.array([-70.0, 60.0]), (130, 140)
     colour = np.empty((*shape, 3))
     colour[:] = SKIN
@@ -62,8 +61,7 @@ def mouth(
     own = LipColour(lip[0], 1.0 - lip[1] / lip[0])
     seen = Pigments(value, magenta, blue, corner, 1)
     inside = look_inside(lips, seen, own)
-    rest = rest * np.array([1.0, fuller])
-    return find_tongue(lips, rest, find_opening(lips, seen, inside).lens, seen, inside, usual)
+    return find_tongue(lips, find_opening(lips, seen, inside).lens, seen, inside, usual)
 
 
 @pytest.mark.parametrize(
@@ -90,15 +88,18 @@ def test_a_tongue_redder_than_pale_lips_is_out_where_it_covers_the_lower_one() -
 
 
 def test_what_is_no_thicker_than_the_lip_is_no_tongue() -> None:
-    thick = Tongue(0.0, 60.0, 0.0, 0)
-    assert mouth(TONGUE, TONGUE, usual=thick).out > 0.5, "the resting lips are thin"
-    assert mouth(TONGUE, TONGUE, fuller=3.0).out > 0.5, "the lip mostly is thin"
-    assert mouth(TONGUE, TONGUE, usual=thick, fuller=3.0).out == 0.0
+    assert mouth(TONGUE, TONGUE).out > 0.5
+    assert mouth(TONGUE, TONGUE, usual=Tongue(0.0, 60.0)).out == 0.0
 
 
 def test_what_is_mostly_there_is_no_tongue() -> None:
-    pink = Tongue(0.0, 12.0, 0.2, 100)
-    assert mouth(TONGUE, TONGUE, usual=pink).out < mouth(TONGUE, TONGUE).out
+    often = Tongue(0.0, 12.0, pink=0.2, frames=100)
+    assert mouth(TONGUE, TONGUE, usual=often).out < mouth(TONGUE, TONGUE).out
+    known = USUAL
+    for inner in [TONGUE] * 20 + [LIP]:
+        assert known.pink == 0.0, "nothing is learnt while the tongue is out"
+        known = mouth(inner, inner, usual=known)
+    assert known.pink > 0.03
 
 
 def test_a_tongue_held_out_stays_out() -> None:

@@ -27,7 +27,7 @@ from mien.capture.snakes.curves.fields import (
 from mien.capture.snakes.curves.settle import Expected, settle
 from mien.capture.snakes.gape import find_gape
 from mien.capture.snakes.head.box import find_face
-from mien.capture.snakes.head.flow import NOSE, choose, follow
+from mien.capture.snakes.head.flow import NOSE, choose, follow, steepness
 from mien.capture.snakes.head.patch import COARSE, EYES, Picture, Placement
 from mien.capture.snakes.head.pose import RESTING, Pose, fit_pose
 from mien.capture.snakes.head.relief import lifted
@@ -187,7 +187,8 @@ class SnakeCapture:
         self.appearance = appearance
         self._rest = lifted(appearance.rest, appearance.rest)
         points = lifted(appearance.points, appearance.rest)
-        self._rigid = Rigid.of(points, self._rest[_EYES, :2].reshape(-1, 3))
+        weight = steepness(appearance.anchor, appearance.points)
+        self._rigid = Rigid.of(points, weight, self._rest[_EYES, :2].reshape(-1, 3))
 
     def _follow(self, image: Picture) -> _Start | None:
         """Where the last frame's face went."""

@@ -31,6 +31,9 @@ _RIM = 0.07
 _UNDER = 0.7
 """Share of the tongue's magenta below which something lies before it: lower teeth, however shaded,
 or a pale lip, which a tongue that is out covers."""
+_TOOTH = (0.8, 1.1)
+"""Or, of teeth that have taken the lips' colour, so much of its magenta at most and so much of its
+brightness at least."""
 _LIP = 0.3
 """Share of the mouth's height that its lower lip takes."""
 _PLAIN = (0.04, 0.12)
@@ -38,14 +41,14 @@ _PLAIN = (0.04, 0.12)
 plainly out."""
 _THICKER = 1.2
 """Thicknesses of the lower lip that lip and tongue have at least."""
-_LOWER = 0.55
-"""Share of the resting lips that is the lower one."""
 _SLOWLY = 0.25
 """Patch units by which the usual lip may change in a frame."""
 _FIRST, _LAST = 10, 100
 """Frames that the usual share of pink is a mean of, at first and at last."""
-_USUALLY = 1.5
+_USUALLY = 2.0
 """Shares of the usual pink that are no tongue."""
+_LONG = 15
+"""Frames for which a tongue counts that was out longer."""
 _MARGIN = np.ones((3, 3), np.uint8)
 _SPECK = np.ones((2, 2), np.uint8)
 
@@ -58,10 +61,12 @@ class Tongue:
     """0..1"""
     lip: float
     """Patch units: how thick the lower lip usually is."""
-    pink: float
+    pink: float = 0.0
     """Share of the mouth that usually looks like tongue."""
-    frames: int
+    frames: int = 0
     """In which the mouth was seen."""
+    held: int = 0
+    """Frames for which the tongue has been out."""
 
     def hidden(self) -> Tongue:
         """The same where no mouth is seen."""
@@ -69,23 +74,26 @@ class Tongue:
 
 
 def find_tongue(
-    lips: Array, rest: Array, opening: Array, seen: Pigments, inside: Inside, last: Tongue | None
+    lips: Array, opening: Array, seen: Pigments, inside: Inside, last: Tongue | None
 ) -> Tongue:
-    """The tongue of a mouth with outline ``lips`` (6, 2) and ``opening`` (6, 2); ``rest`` (6, 2)
-    are the lips at rest, ``last`` what the mouth was before."""
+    """The tongue of a mouth with outline ``lips`` (6, 2) and ``opening`` (6, 2); ``last`` is what
+    the mouth was before."""
     middle = slice(10, 15)
     below = lower_curve(lips, 25)[middle, 1] - lower_curve(opening, 25)[middle, 1]
     lip = float(below.mean())
-    last = last or Tongue(0.0, lip, 0.0, 0)
+    last = last or Tongue(0.0, lip)
     share, thick = pink_below_dark(lips, seen, inside)
-    if thick < _THICKER * min(last.lip, _LOWER * tallness(rest)):
+    if thick < _THICKER * last.lip:
         share = 0.0
     few, plain = _PLAIN
     out = min(max((share - _USUALLY * last.pink - few) / (plain - few), 0.0), 1.0)
-    pink = last.pink
-    if out < 0.5:
-        pink += (min(share, plain) - pink) / min(last.frames + _FIRST, _LAST)
+    if out > 0.5:
+        # Learnt when it is in again: a tongue that is held out does not fade.
+        return Tongue(out, last.lip, last.pink, last.frames + 1, last.held + 1)
     lip = last.lip + min(max(lip - last.lip, -_SLOWLY), _SLOWLY)
+    count = min(last.frames + _FIRST, _LAST)
+    pink = plain - (plain - last.pink) * (1.0 - 1.0 / count) ** min(last.held, _LONG)
+    pink += (min(share, plain) - pink) / count
     return Tongue(out, lip, pink, last.frames + 1)
 
 
@@ -112,8 +120,10 @@ def pink_below_dark(outline: Array, seen: Pigments, inside: Inside) -> tuple[flo
     tongue = opened(pink & within & above_lip, _MARGIN)
     if not tongue.any():
         return 0.0, 0.0
-    pale = seen.magenta < _UNDER * median(seen.magenta[tongue > 0])
-    before = opened((pale & (seen.value > BRIGHT * lips.value)) & within, _SPECK)
+    own, lit = median(seen.magenta[tongue > 0]), median(seen.value[tongue > 0])
+    pale = (seen.magenta < _UNDER * own) & (seen.value > BRIGHT * lips.value)
+    pale |= (seen.magenta < _TOOTH[0] * own) & (seen.value > _TOOTH[1] * lit)
+    before = opened(pale & within, _SPECK)
     count, thick = _between(tongue, black, before, within)
     return count / len(inner), thick
 
