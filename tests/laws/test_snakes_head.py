@@ -7,7 +7,8 @@ import pytest
 from numpy.typing import NDArray
 
 from mien.capture.snakes.curves.features import ROW, usual_features
-from mien.capture.snakes.head.patch import EYES, Placement
+from mien.capture.snakes.head.flow import steepness
+from mien.capture.snakes.head.patch import EYES, HEIGHT, ORIGIN, WIDTH, Placement
 from mien.capture.snakes.head.pose import RESTING, Pose, fit_pose
 from mien.capture.snakes.head.relief import lifted
 from mien.capture.snakes.head.rigid import NECK, Rigid, neck_of, remembered
@@ -26,7 +27,10 @@ def degrees(found: Pose) -> float:
 
 def fitted(nose: Array, neck: Array) -> Pose:
     """The pose of a head that turned about its neck, whose nose was followed to ``nose``."""
-    head, true = Rigid.of(NOSE, CORNERS), Pose(TURNED, 1.0, -(TURNED @ NECK)[:2])
+    head, true = (
+        Rigid.of(NOSE, np.ones(len(NOSE)), CORNERS),
+        Pose(TURNED, 1.0, -(TURNED @ NECK)[:2]),
+    )
     seen = np.concatenate([nose, true(CORNERS), neck[None]])
     found = RESTING
     for _ in range(20):
@@ -57,6 +61,15 @@ def test_a_neck_is_remembered_for_some_frames() -> None:
     left = np.linalg.norm(np.array(places) - now, axis=1) / np.linalg.norm(neck - now)
     assert left[30] > 0.7
     assert left[400] < 0.02
+
+
+def test_points_on_smooth_skin_count_little() -> None:
+    ramp = 100 + np.arange(WIDTH, dtype=np.uint8) // 10
+    anchor = np.tile(ramp, (HEIGHT, 1))
+    anchor[:, int(ORIGIN[0]) + 5 :] += 60
+    steep = steepness(anchor, np.array([[5.0, 20.0], [-20.0, 20.0], [-20.0, 50.0]]))
+    assert steep.mean() == pytest.approx(1.0)
+    assert steep[1:].max() < 0.3 * steep[0]
 
 
 @pytest.mark.parametrize("longer", [0.8, 1.0, 1.25])

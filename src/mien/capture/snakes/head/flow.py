@@ -59,6 +59,16 @@ def choose(anchor: Grey) -> Array:
     return np.concatenate([best, _GRID])[:COUNT]
 
 
+def steepness(anchor: Grey, points: Array) -> Array:
+    """(G,) how steep a grey patch is round ``points`` (G, 2), on the average 1: what lies on smooth
+    skin is dragged along by the light."""
+    across, down = (cv2.Scharr(anchor, cv2.CV_32F, *axis) for axis in ((1, 0), (0, 1)))
+    square = cv2.blur(across**2 + down**2, _WINDOW)
+    x, y = np.round(points + ORIGIN).astype(int).T
+    steep = np.sqrt(square[y, x].astype(float))
+    return np.asarray(steep / max(float(steep.mean()), 1e-6))
+
+
 def follow(reference: Grey, there: Array, before: Array, now: Grey) -> Moved | None:
     """Find the points that are at ``there`` (G, 2) in the grey patch ``reference`` and were at
     ``before`` (G, 2) in the last frame in ``now``, the part NOSE of the grey patch taken with the

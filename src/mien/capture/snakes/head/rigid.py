@@ -41,13 +41,13 @@ class Rigid:
     """(N,) patch units of a miss from where it counts half as much."""
 
     @classmethod
-    def of(cls, points: Array, corners: Array) -> Rigid:
-        """From points of the nose (G, 3) and corners of the eyes (C, 3)."""
-        count = len(points), len(corners), 1
+    def of(cls, points: Array, weight: Array, corners: Array) -> Rigid:
+        """From points of the nose (G, 3), what each counts (G,), and corners of the eyes (C, 3)."""
+        others = np.repeat([_CORNER_WEIGHT, _NECK_WEIGHT], [len(corners), 1])
         return cls(
             np.concatenate([points, corners, NECK[None]]),
-            np.repeat([1.0, _CORNER_WEIGHT, _NECK_WEIGHT], count),
-            np.repeat([_KNEE, _KNEE, _NECK_KNEE], count),
+            np.concatenate([weight, others]),
+            np.repeat([_KNEE, _NECK_KNEE], [len(points) + len(corners), 1]),
         )
 
 
