@@ -279,7 +279,7 @@ class SnakeCapture:
             lips = lip_colour(lenses[_LIPS], close)
             inside = look_inside(lenses[_LIPS], close, lips)
             opening = find_opening(lenses[_LIPS], close, inside)
-            tongue = find_tongue(lenses[_LIPS], rest[_LIPS], opening.lens, close, inside, tongue)
+            tongue = find_tongue(lenses[_LIPS], opening.lens, close, inside, tongue)
         lenses[MOUTH] = opening.lens
         return Seen(
             start.placement,
