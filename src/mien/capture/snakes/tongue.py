@@ -39,8 +39,9 @@ _LIP = 0.3
 _PLAIN = (0.04, 0.12)
 """Shares of the mouth that tongue takes, beyond what is usual, where it is in and where it is
 plainly out."""
-_THICKER = 1.2
-"""Thicknesses of the lower lip that lip and tongue have at least."""
+_THICKER = (1.0, 1.3)
+"""Usual thicknesses of the lower lip at which what lies below the dark is that lip alone, and at
+which it is plainly more."""
 _SLOWLY = 0.25
 """Patch units by which the usual lip may change in a frame."""
 _FIRST, _LAST = 10, 100
@@ -83,8 +84,8 @@ def find_tongue(
     lip = float(below.mean())
     last = last or Tongue(0.0, lip)
     share, thick = pink_below_dark(lips, seen, inside)
-    if thick < _THICKER * last.lip:
-        share = 0.0
+    alone, more = _THICKER
+    share *= min(max((thick / max(last.lip, 1.0) - alone) / (more - alone), 0.0), 1.0)
     few, plain = _PLAIN
     out = min(max((share - _USUALLY * last.pink - few) / (plain - few), 0.0), 1.0)
     if out > 0.5:
