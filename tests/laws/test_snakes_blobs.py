@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from mien.capture.snakes.curves.blobs import connected, find_blob, threshold, without_hair
+from mien.capture.snakes.curves.blobs import find_blob, threshold, without_hair
 from mien.capture.snakes.curves.lens import boxed
 from mien.capture.snakes.head.patch import ORIGIN
 from mien.capture.snakes.iris import _ACROSS, _DOWN, _PATTERN, fit_iris
@@ -29,23 +29,6 @@ def test_the_threshold_is_otsus(seed: int) -> None:
     field = some_field(random) ** random.uniform(0.5, 2.0)
     parted, _ = cv2.threshold((field * 255.0).astype(np.uint8), 0, 255, cv2.THRESH_OTSU)
     assert threshold(field) == pytest.approx(np.clip(parted / 255.0, 0.3, 0.7))
-
-
-@pytest.mark.parametrize("share", [0.0, 0.3, 0.55, 0.8, 1.0])
-def test_the_regions_of_a_mask(share: float) -> None:
-    mask = (np.random.default_rng(3).random((31, 47)) < share).astype(np.uint8)
-    count, wanted, facts, middle = cv2.connectedComponentsWithStats(mask, connectivity=4)
-    label, found = connected(mask)
-    assert len(found) == count
-    pairs = np.unique(np.stack([label.ravel(), wanted.ravel()]), axis=1)
-    assert pairs.shape[1] == len(np.unique(wanted))
-    for here, there in pairs.T[pairs[0] > 0]:
-        left, top, width, height, area = facts[there]
-        sums = np.rint(middle[there] * area)
-        assert found[here].tolist() == [
-            *(left, top, left + width - 1, top + height - 1, area),
-            *sums,
-        ]
 
 
 @pytest.mark.parametrize("seed", SEEDS)

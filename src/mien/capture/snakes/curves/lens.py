@@ -8,6 +8,7 @@ right, those of the lower one. Units are patch units (see ``patch``), y down.
 from __future__ import annotations
 
 from functools import cache
+from math import hypot
 
 import numpy as np
 from numba import njit
@@ -80,19 +81,15 @@ def tallness(lens: Array) -> float:
     return most
 
 
-@njit(cache=True, nogil=True)
 def boxed(left: Array, right: Array, top: float, bottom: float) -> Array:
     """(6, 2) the lens between two ends that reaches from ``top`` above their chord to ``bottom``
     below it: the initial guess from a blob's box. A round shape has its middle points at the
     ends, a flat one at a quarter of the chord."""
-    x, y = right[0] - left[0], right[1] - left[1]
-    width = max(np.sqrt(x * x + y * y), 1e-6)
+    x, y = (right - left).tolist()
+    width = max(hypot(x, y), 1e-6)
     inset = 0.25 * min(max(2.0 - (top + bottom) / (0.35 * width), 0.0), 1.0)
-    lens = np.empty((6, 2))
-    for axis, chord, down in ((0, x, -y / width), (1, y, x / width)):
-        near, far = left[axis] + inset * chord, right[axis] - inset * chord
-        rise, fall = -4.0 / 3.0 * top * down, 4.0 / 3.0 * bottom * down
-        lens[0, axis], lens[1, axis] = left[axis], right[axis]
-        lens[2, axis], lens[3, axis] = near + rise, far + rise
-        lens[4, axis], lens[5, axis] = near + fall, far + fall
-    return lens
+    rise, fall = -4.0 / 3.0 * top / width, 4.0 / 3.0 * bottom / width
+    (a, b), (c, d) = left.tolist(), right.tolist()
+    near, far = (a + inset * x, b + inset * y), (c - inset * x, d - inset * y)
+    middles = [(u - h * y, v + h * x) for h in (rise, fall) for u, v in (near, far)]
+    return np.array([(a, b), (c, d), *middles])
