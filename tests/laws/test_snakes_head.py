@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from mien.capture.snakes.curves.features import ROW, usual_features
 from mien.capture.snakes.head.flow import steepness
 from mien.capture.snakes.head.patch import EYES, HEIGHT, ORIGIN, WIDTH, Placement
-from mien.capture.snakes.head.pose import RESTING, Pose, fit_pose
+from mien.capture.snakes.head.pose import RESTING, Pose
 from mien.capture.snakes.head.relief import lifted
 from mien.capture.snakes.head.rigid import NECK, Rigid, neck_of, remembered
 from mien.numeric.rotation import angle_between, from_vector
@@ -34,7 +34,7 @@ def fitted(nose: Array, neck: Array) -> Pose:
     seen = np.concatenate([nose, true(CORNERS), neck[None]])
     found = RESTING
     for _ in range(20):
-        found = fit_pose(head.places, seen, head.weight, head.knee, found)
+        found = head.pose(seen, found)
     return found
 
 

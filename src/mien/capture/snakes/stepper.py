@@ -29,7 +29,7 @@ from mien.capture.snakes.gape import find_gape
 from mien.capture.snakes.head.box import find_face
 from mien.capture.snakes.head.flow import NOSE, choose, follow, steepness
 from mien.capture.snakes.head.patch import COARSE, EYES, Picture, Placement
-from mien.capture.snakes.head.pose import RESTING, Pose, fit_pose
+from mien.capture.snakes.head.pose import RESTING, Pose
 from mien.capture.snakes.head.relief import lifted
 from mien.capture.snakes.head.rigid import Rigid, neck_of, remembered
 from mien.capture.snakes.iris import find_irises
@@ -85,8 +85,6 @@ class Seen:
     """(L + 1, 6, 2) features and the mouth's opening, patch units."""
     rigid: Array
     """(COUNT, 2) points of nose and inner eyes, patch units."""
-    neck: Array
-    """(2,) where the head's neck is believed to be, pixels of the frame."""
     lost: Bools
     """(L,) features that were not found; their lenses are the last ones that were."""
     contrast: Array
@@ -116,7 +114,6 @@ class _Start:
     pose: Pose
     lenses: Array
     rigid: Array
-    neck: Array
 
 
 class SnakeCapture:
@@ -135,6 +132,8 @@ class SnakeCapture:
         self._weigh, self._light = weigh, light
         self._skin: Array | None = None
         self._last: Seen | None = None
+        self._neck: Array | None = None
+        """Pixels of the frame; it stays where it was while no face is seen."""
         self._missing = 0
         self._looked: int | None = None
         self.appearance: Appearance | None = None
@@ -202,20 +201,18 @@ class SnakeCapture:
         if moved is None:
             return None
         carried = last.lenses @ moved.similarity[:, :2].T + moved.similarity[:, 2]
-        return self._turned(last.placement, moved.points, carried, last.neck, last.pose)
+        return self._turned(last.placement, moved.points, carried, last.pose)
 
-    def _turned(
-        self, placement: Placement, rigid: Array, lenses: Array, neck: Array, pose: Pose
-    ) -> _Start:
+    def _turned(self, placement: Placement, rigid: Array, lenses: Array, pose: Pose) -> _Start:
         """The start with the patch put where the head's scale, roll and place are those at rest;
         ``rigid`` and ``lenses`` were seen in the patch of ``placement``."""
         corners = lenses[_EYES, :2].reshape(-1, 2)
-        seen = np.concatenate([rigid, corners, placement.to_patch(neck)[None]])
-        head = self._rigid
-        pose = fit_pose(head.places, seen, head.weight, head.knee, pose)
+        neck = [] if self._neck is None else [placement.to_patch(self._neck)[None]]
+        pose = self._rigid.pose(np.concatenate([rigid, corners, *neck]), pose)
+        self._neck = remembered(self._neck, neck_of(placement, pose))
         back, level = pose.levelled()
-        on, neck = Placement(back), remembered(neck, neck_of(placement, pose))
-        return _Start(placement.moved(back), level, on.to_patch(lenses), on.to_patch(rigid), neck)
+        on = Placement(back)
+        return _Start(placement.moved(back), level, on.to_patch(lenses), on.to_patch(rigid))
 
     def _find(self, image: Picture) -> _Start | None:
         """Look for a face in the whole picture, and bring its patch right."""
@@ -226,18 +223,18 @@ class SnakeCapture:
         known = self.appearance is not None
         eyes = self._rest[_EYES, :2, :2].mean(axis=1) if known else EYES
         for _ in range(_FIRST_ROUNDS):
-            start = _fresh(placement, lenses)
+            start = _Start(placement, RESTING, lenses, np.zeros((0, 2)))
             seen = self._fit(start, image, strange=True)
             better = Placement.at(placement.to_frame(_middles(seen)), eyes)
             lenses = better.to_patch(placement.to_frame(seen.lenses))
             placement = better
         if self.appearance is None:
-            return _fresh(placement, lenses)
+            return _Start(placement, RESTING, lenses, np.zeros((0, 2)))
         points = self.appearance.points
         grey = _grey(placement.warp(image, NOSE))
         moved = follow(self.appearance.anchor, points, points, grey)
         there = points if moved is None else moved.points
-        return self._turned(placement, there, lenses, neck_of(placement, RESTING), RESTING)
+        return self._turned(placement, there, lenses, RESTING)
 
     def _fit(self, start: _Start, image: Picture, strange: bool = False) -> Seen:
         """Let all curves settle; ``strange`` where it is not sure whether the patch lies right."""
@@ -286,7 +283,6 @@ class SnakeCapture:
             start.pose,
             lenses,
             start.rigid,
-            start.neck,
             lost,
             contrast,
             opening,
@@ -299,11 +295,6 @@ class SnakeCapture:
             lips,
             glow,
         )
-
-
-def _fresh(placement: Placement, lenses: Array) -> _Start:
-    """The start of a face that nothing is known of but its place."""
-    return _Start(placement, RESTING, lenses, np.zeros((0, 2)), neck_of(placement, RESTING))
 
 
 def _middles(seen: Seen) -> Array:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mien.capture.snakes.head.patch import Placement
-from mien.capture.snakes.head.pose import Pose
+from mien.capture.snakes.head.pose import Pose, fit_pose
 
 Array = NDArray[np.float64]
 
@@ -50,13 +50,18 @@ class Rigid:
             np.repeat([_KNEE, _NECK_KNEE], [len(points) + len(corners), 1]),
         )
 
+    def pose(self, seen: Array, start: Pose) -> Pose:
+        """The head's pose where its first points are ``seen`` (up to N, 2), from ``start`` on."""
+        n = len(seen)
+        return fit_pose(self.places[:n], seen, self.weight[:n], self.knee[:n], start)
+
 
 def neck_of(placement: Placement, pose: Pose) -> Array:
     """(2,) where a head's neck is, pixels of the frame."""
     return placement.to_frame(pose(NECK))
 
 
-def remembered(neck: Array, now: Array) -> Array:
-    """(2,) where the neck is believed to be after a frame in which the head's turn has it at
-    ``now``."""
-    return np.asarray(neck + (now - neck) / _MEMORY)
+def remembered(neck: Array | None, now: Array) -> Array:
+    """(2,) where a neck that was believed to be at ``neck`` is believed to be after a frame in
+    which the head's turn has it at ``now``."""
+    return now if neck is None else np.asarray(neck + (now - neck) / _MEMORY)
