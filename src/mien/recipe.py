@@ -152,6 +152,7 @@ def calibrate(
     path: str | Path,
     *,
     neutral: tuple[float, float] | None = None,
+    shut: tuple[float, float] | None = None,
     poses: Mapping[str, tuple[float, float]] | None = None,
     features: str | Path | None = None,
     focal: float | str | Path | None = None,
@@ -159,16 +160,20 @@ def calibrate(
 ) -> Performer:
     """Learn a performer from ``takes`` and keep what was learnt in the .performer file ``path``.
 
-    ``neutral`` names the seconds (first, last) in which the face rests (found otherwise) and
-    ``poses`` those in which key poses are held; seconds count through all takes. ``features`` is
-    a file of rectangles that say where the features are (see ``formats.rectangles``), otherwise
-    the landmark networks do. Raises InputError, FormatError, NoFaceError, OutputError.
+    ``neutral`` names the seconds (first, last) in which the face rests (found otherwise), ``shut``
+    those in which both eyes are shut (otherwise they are when they are narrowest) and ``poses``
+    those in which key poses are held; seconds count through all takes. ``features`` is a file of
+    rectangles that say where the features are (see ``formats.notes.rectangles``), otherwise the
+    landmark networks do. Raises InputError, FormatError, NoFaceError, OutputError.
     """
     sources = [open_source(take) for take in takes]
-    if len({source.size for source in sources}) > 1:
-        raise InputError("the takes of a performer need pictures of one size")
+    for source in sources:
+        if source.size != sources[0].size:
+            sizes = " and ".join(f"{s.name} {s.size[0]}x{s.size[1]}" for s in (sources[0], source))
+            raise InputError(f"{sizes}: the takes of a performer need pictures of one size")
     drawn = read_rectangles(Path(features), (*NAMES, "mouth")) if features is not None else {}
-    lessons = Lessons(neutral, _focal(focal, sources[0].size[0]), poses or {}, drawn)
+    focal = _focal(focal, sources[0].size[0])
+    lessons = Lessons(neutral, shut, focal, poses or {}, drawn)
     done = itertools.count(1)
 
     def play() -> Iterator[Frame]:

@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 
 import numpy as np
+import pytest
 from terminal import mien
 
 from mien.formats.takes.mien_file import read_performance
@@ -51,3 +52,18 @@ def test_endings_and_poses_are_checked(take: Path, tmp_path: Path) -> None:
     wrong = mien("calibrate", take, "-o", "me.performer", "--pose", "smile", cwd=tmp_path)
     assert wrong.returncode == 2
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("option", "value"),
+    [("--pose", "smile=90-91"), ("--shut", "0-0.1"), ("--features", "f.csv")],
+)
+def test_what_the_takes_do_not_show_is_told_in_one_line(
+    take: Path, tmp_path: Path, option: str, value: str
+) -> None:
+    (tmp_path / "f.csv").write_text("0,lips,9000,10,9020,20\n")
+    done = mien("calibrate", take, "-o", "me.performer", option, value, cwd=tmp_path)
+    assert done.returncode == 1
+    assert done.stderr.startswith(f"mien: {option}")
+    assert done.stderr.count("\n") == 1
+    assert not (tmp_path / "me.performer").exists()

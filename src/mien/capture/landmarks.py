@@ -54,10 +54,6 @@ SPANS = (
 """Lip opening and mouth width are seen better than either of their ends."""
 
 
-_AJAR = 0.7
-"""Part of the open eye at which nobody calls it shut."""
-
-
 @dataclass(frozen=True, slots=True)
 class Calibration:
     """What is known of a performer and the camera."""
@@ -121,10 +117,8 @@ def with_shut(known: Calibration, track: LandmarkTrack, ground: Ground) -> Calib
     """``known`` with the lids as ``track`` shows them, in which both eyes are shut. Raises
     InputError where they are not."""
     _, motion = _read(known.model, rays(track, known.focal), ground)
-    shut = np.median(lids.openings(known.model + motion, known.model), axis=0)
-    if (shut > _AJAR * known.lids.open).any():
-        raise InputError("the eyes were not shut; shut both and hold them")
-    return replace(known, lids=lids.LidRange(known.lids.open, shut))
+    shut = lids.openings(known.model + motion, known.model)
+    return replace(known, lids=lids.with_shut(known.lids, shut))
 
 
 def rest_of(

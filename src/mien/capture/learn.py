@@ -3,13 +3,14 @@ shut, the colours of the features, and key poses that are held."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.capture import landmarks
+from mien.capture import landmarks, lids
 from mien.capture.detector import Detector
 from mien.capture.detector import follow as follow_landmarks
 from mien.capture.known import curve_section, landmark_section
@@ -27,6 +28,7 @@ from mien.capture.snakes.head.patch import Picture, Placement
 from mien.capture.snakes.points import depths
 from mien.capture.snakes.stepper import Appearance, SnakeCapture
 from mien.capture.snakes.track import CurveTrack
+from mien.capture.track import LandmarkTrack
 from mien.errors import InputError, MissingExtraError
 from mien.face.library import generic_face
 from mien.performance.frame import Frame
@@ -50,6 +52,8 @@ class Lessons:
 
     neutral: tuple[float, float] | None = None
     """Seconds (first, last) in which the face rests; None: found."""
+    shut: tuple[float, float] | None = None
+    """Seconds in which both eyes are shut; None: they are when they are narrowest."""
     focal: float | None = None
     """Pixels; None: a usual one."""
     poses: Mapping[str, tuple[float, float]] = field(default_factory=dict)
@@ -72,6 +76,11 @@ def learn(play: Play, lessons: Lessons, source: str) -> Performer:
         return Performer({}, curves, poses, source)
     base = ground(generic_face())
     known = landmarks.calibrate(seen, base, neutral=lessons.neutral, focal=lessons.focal)
+    if lessons.shut is not None:
+        shut = _named(seen, "--shut", lessons.shut)
+        held = replace(seen, time=seen.time[shut], points=seen.points[shut], lost=seen.lost[shut])
+        with _told_by("--shut"):
+            known = landmarks.with_shut(known, held, base)
     performance = landmarks.perform(seen, known, base, source)
     poses |= _held("landmarks", performance, lessons.poses)
     return Performer(landmark_section(known), curves, poses, source)
@@ -83,11 +92,33 @@ def _learn_curves(
     """Once to find the rest, once to look at it, once more with what was learnt."""
     settings = CaptureSettings(lessons.neutral, lessons.focal)
     track = follow_curves(play(), SnakeCapture(), settings)
+    _check(lessons, track)
     look, networks = _look_again(play(), track, lessons)
     track = follow_curves(play(), SnakeCapture(look, trained(networks)), settings)
     depth = depths(generic_face())
     known = reading.calibrate(track, depth, neutral=lessons.neutral, focal=lessons.focal)
+    if lessons.shut is not None:
+        shut = track.opening[_named(track, "--shut", lessons.shut)]
+        with _told_by("--shut"):
+            known = replace(known, lids=lids.with_shut(known.lids, shut))
     return curve_section(known, look, networks), reading.perform(track, known, source)
+
+
+def _check(lessons: Lessons, track: CurveTrack) -> None:
+    """Raises InputError where the user names what the takes do not show."""
+    for name, seconds in lessons.poses.items():
+        _named(track, f"--pose {name}", seconds)
+    if lessons.shut is not None:
+        _named(track, "--shut", lessons.shut)
+    width, height = track.size
+    for time, drawn in lessons.rectangles.items():
+        if not 0.0 <= time <= track.time[-1] + 1.0:
+            raise InputError(f"--features: the takes end at {track.time[-1]:g} s, before {time:g}")
+        for name, (left, top, right, bottom) in drawn.items():
+            if right <= 0.0 or bottom <= 0.0 or left >= width or top >= height:
+                raise InputError(
+                    f"--features: {name} at {time:g} s lies outside the picture, {width}x{height}"
+                )
 
 
 def _look_again(
@@ -198,9 +229,32 @@ def _held(
 ) -> dict[str, Array]:
     """(P, 3) mean motion of each pose. Raises InputError where no face is seen in its seconds."""
     found = {}
-    for name, (first, last) in poses.items():
-        inside = (performance.time >= first) & (performance.time <= last) & ~performance.lost
-        if not inside.any():
-            raise InputError(f"--pose {name}: no face is seen between {first:g} and {last:g} s")
-        found[f"{capture}/{name}"] = performance.motion[inside].mean(axis=0)
+    for name, seconds in poses.items():
+        frames = _named(performance, f"--pose {name}", seconds)
+        found[f"{capture}/{name}"] = performance.motion[frames].mean(axis=0)
+    return found
+
+
+@contextmanager
+def _told_by(option: str) -> Iterator[None]:
+    """Errors name the ``option`` that is to blame."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(f"{option}: {error}") from error
+
+
+def _named(
+    seen: CurveTrack | LandmarkTrack | Performance, option: str, seconds: tuple[float, float]
+) -> NDArray[np.intp]:
+    """Frames in the seconds that ``option`` names. Raises InputError where none shows a face."""
+    first, last = seconds
+    there = np.flatnonzero(~seen.lost)
+    time = seen.time[there]
+    found = there[(time >= first - 1e-6) & (time <= last + 1e-6)]
+    if len(found) == 0:
+        raise InputError(
+            f"{option}: no face is seen between {first:g} and {last:g} s; "
+            f"the takes show one from {time[0]:g} to {time[-1]:g} s"
+        )
     return found

@@ -8,9 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mien.capture.track import ROW
+from mien.errors import InputError
 from mien.vocabulary.landmarks import EYE_CORNERS, LOWER_LID, UPPER_LID
 
 Array = NDArray[np.float64]
+
+_AJAR = 0.7
+"""Part of the open eye at which nobody calls it shut."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,6 +62,15 @@ def lid_range(take: Array, rest: Array) -> LidRange:
     opened = np.maximum(np.median(rest, axis=0), np.median(take, axis=0))
     shut = np.clip(np.quantile(take, 0.01, axis=0), 0.15 * opened, 0.45 * opened)
     return LidRange(opened, shut)
+
+
+def with_shut(span: LidRange, shut: Array) -> LidRange:
+    """``span`` of somebody whose eyes are shut at the openings ``shut`` (G, 2). Raises InputError
+    where they are not."""
+    middle = np.median(shut, axis=0)
+    if (middle > _AJAR * span.open).any():
+        raise InputError("the eyes were not shut; shut both and hold them")
+    return LidRange(span.open, middle)
 
 
 def closures(opening: Array, span: LidRange, yaw: Array) -> Array:

@@ -31,6 +31,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="when the face rests: 2.5, or 2.5-3 (default: found)",
     )
     parser.add_argument(
+        "--shut",
+        type=span,
+        metavar="SECONDS",
+        help="when both eyes are shut, such as 3-3.4; glasses change how shut eyes look "
+        "(default: when they are narrowest)",
+    )
+    parser.add_argument(
         "--pose",
         action="append",
         default=[],
@@ -42,8 +49,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--features",
         type=Path,
         metavar="FILE",
-        help="lines seconds,feature,left,top,right,bottom in pixels that say where features are "
-        "(default: as the landmark networks see them)",
+        help="lines seconds,feature,left,top,right,bottom in pixels that say where features are: "
+        "brow_left, eye_left, nostril_left and the same of the right, lips, mouth (what is open of "
+        "it); (default: as the landmark networks see them)",
     )
     parser.add_argument(
         "--focal", type=focal, metavar="PIXELS|FILE", help="focal length of the camera"
@@ -71,6 +79,7 @@ def run(options: argparse.Namespace) -> None:
             options.takes,
             claim(output.name),
             neutral=options.neutral,
+            shut=options.shut,
             poses=dict(options.pose),
             features=options.features,
             focal=options.focal,
