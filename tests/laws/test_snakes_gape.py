@@ -8,22 +8,22 @@ import pytest
 from numpy.typing import NDArray
 
 from mien.capture.snakes.colour.glow import dimmed, excess
-from mien.capture.snakes.colour.pigments import pigments
+from mien.capture.snakes.colour.pigments import Pigments, pigments
 from mien.capture.snakes.colour.skin import USUAL_SKIN
-from mien.capture.snakes.colour.transform import contrast
-from mien.capture.snakes.gape import _DEEP, _FILL, _LIT, Gape, _worths, find_gape
+from mien.capture.snakes.colour.transform import Field, contrast
+from mien.capture.snakes.gape import _BRIGHTEST, _DEEP, _FILL, _LIT, _worths, find_gape
 from mien.capture.snakes.head.patch import HEIGHT, WIDTH
 from mien.capture.snakes.mouth import LipColour
 
 Array = NDArray[np.float64]
 
 LIPS = LipColour(160.0, 0.4)
-DARK, TOOTH = (30.0, 20.0, 18.0), (190.0, 180.0, 170.0)
+DARK, TOOTH, SHADED = (30.0, 20.0, 18.0), (190.0, 180.0, 170.0), (130.0, 98.0, 85.0)
 ROWS, COLUMNS = 54, 66
 
 
-def gape(inside: tuple[float, float, float], around: float) -> Gape:
-    """What is found of a mouth 30 by 10 pixels large, with so much I on a ring round it."""
+def scene(inside: tuple[float, float, float], around: float) -> tuple[Field, Pigments]:
+    """A mouth 30 by 10 pixels large, with so much I on a ring round it."""
     colours = np.tile(USUAL_SKIN, (ROWS, COLUMNS, 1))
     colours[20:30, 18:48] = inside
     field = np.full((ROWS, COLUMNS), 0.05, np.float32)
@@ -31,13 +31,13 @@ def gape(inside: tuple[float, float, float], around: float) -> Gape:
     field[20:30, 18:48] = 0.05
     patch = np.zeros((HEIGHT // 2, WIDTH // 2, 3), np.uint8)
     patch[:ROWS, :COLUMNS] = colours
-    return find_gape(field, pigments(patch, np.ones(3), (0, 0, COLUMNS, ROWS), 2), LIPS)
+    return field, pigments(patch, np.ones(3), (0, 0, COLUMNS, ROWS), 2)
 
 
-@pytest.mark.parametrize("inside", [DARK, TOOTH])
+@pytest.mark.parametrize("inside", [DARK, TOOTH, SHADED])
 def test_a_mouth_is_lit_up_where_lips_lie_round_it(inside: tuple[float, float, float]) -> None:
-    found = gape(inside, 0.6)
-    assert (found.field[20:30, 18:48] > 0.9).all()
+    found = find_gape(*scene(inside, 0.6), LIPS)
+    assert (found.field[20:30, 18:48] > 0.8).all()
     assert (found.field[:15] < 0.1).all()
     assert found.lens is not None
     assert found.lens[1, 0] - found.lens[0, 0] == pytest.approx(2 * 30 + 20)
@@ -45,9 +45,17 @@ def test_a_mouth_is_lit_up_where_lips_lie_round_it(inside: tuple[float, float, f
 
 @pytest.mark.parametrize("inside", [DARK, TOOTH])
 def test_a_moustache_or_a_glint_on_skin_is_no_mouth(inside: tuple[float, float, float]) -> None:
-    found = gape(inside, 0.1)
+    found = find_gape(*scene(inside, 0.1), LIPS)
     assert found.lens is None
     assert found.field.max() < 0.2
+
+
+@pytest.mark.parametrize("inside", [TOOTH, SHADED])
+def test_teeth_above_a_lip_are_a_mouth(inside: tuple[float, float, float]) -> None:
+    field, seen = scene(inside, 0.6)
+    field[:20] = 0.05
+    field[20:30, 18:48] = 0.01
+    assert (find_gape(field, seen, LIPS).field[20:30, 18:48] > 0.8).all()
 
 
 @pytest.mark.parametrize("below", [False, True])
@@ -71,7 +79,7 @@ def test_what_lies_round_a_part(seed: int, below: bool) -> None:
         enclosed = ys.min() > 0 and xs.min() > 0 and ys.max() < 13 and xs.max() < 16
         mean = float(field[rim].mean()) if rim.any() else 0.0
         counts = enclosed and len(ys) >= 2 and mean > _LIT
-        assert worth[n] == pytest.approx(min(_FILL * mean, 1.0) if counts else 0.0)
+        assert worth[n] == pytest.approx(min(_FILL * mean, _BRIGHTEST) if counts else 0.0)
         if counts:
             areas[n] = len(ys)
     assert areas.get(best) == max(areas.values())

@@ -42,8 +42,9 @@ def test_a_face_that_leaves_is_lost() -> None:
 
 @recorded
 def test_a_mouth_behind_a_hand_is_marked() -> None:
-    seen = followed("hand.mp4", 40, 146)
-    covered = [each is None or bool(each.lost[ROW["lips"]]) for each in seen[55:]]
+    seen = followed("hand.mp4", 40, 115)
+    # From frame 115 on half of the mouth shows beside the fingers, and is found.
+    covered = [each is None or bool(each.lost[ROW["lips"]]) for each in seen[55:75]]
     bare = [each is None or bool(each.lost[ROW["lips"]]) for each in seen[:12]]
     assert np.mean(covered) > 0.8
     assert np.mean(bare) < 0.2

@@ -1,8 +1,8 @@
-"""An open mouth as it shows before the lips are known: dark or teeth, with lips round it.
+"""An open mouth as it shows before the lips are known: a hole in them, or teeth above one.
 
 The lips of a wide mouth are a thin ring, on which curves hold badly; so what it encloses is lit up
-too. Dark alone says little: moustaches and the shadow under the nose are as dark. But lips lie all
-round a mouth, and below teeth, the upper lip may be hidden by a moustache.
+too. To be dark says little, moustaches and the shadow under the nose are as dark. But lips lie all
+round a hole, and below teeth where a moustache or a sneer hides the upper one.
 """
 
 from __future__ import annotations
@@ -17,15 +17,19 @@ from numpy.typing import NDArray
 from mien.capture.snakes.colour.pigments import Pigments
 from mien.capture.snakes.colour.transform import Field
 from mien.capture.snakes.curves.lens import boxed
-from mien.capture.snakes.mouth import LipColour, inside_masks
+from mien.capture.snakes.mouth import BRIGHT, LipColour, inside_masks
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.uint8]
 
-_LIT = 0.4
-"""Mean I of what counts as lips."""
-_FILL = 1.6
-"""I of what they enclose, in theirs: as bright as the lips, or its rim would be the stronger."""
+_LIT, _HOLE = 0.4, 0.3
+"""Mean I of what counts as lips, and I of what does not."""
+_PALER = 0.4
+"""I of teeth in that of skin. Shade and soft pictures make teeth pink, but of all that is bright in
+a face they stay least like lips."""
+_FILL, _BRIGHTEST = 1.6, 0.9
+"""I of what they enclose, in that of its rim, and at most: no brighter than the lips, or curves
+would lie on its rim instead of theirs."""
 _FEWEST = 32.0
 """Squared patch units."""
 _DEEP = 2
@@ -46,11 +50,13 @@ class Gape:
 
 def find_gape(field: Field, seen: Pigments, lips: LipColour) -> Gape:
     """The open mouth in the lips' ``field``, of the same pixels as ``seen``."""
-    dark, teeth = inside_masks(seen, lips)
+    _, teeth = inside_masks(seen, lips)
+    pale = (field < _PALER * np.median(field)) & (seen.value > BRIGHT * lips.value)
+    parts = ((field < _HOLE).view(np.uint8), False), (teeth | pale.view(np.uint8), True)
     lit, most, widest = field, 0, None
-    for mask, below in ((dark | teeth, False), (teeth, True)):
-        _, *parts, _ = cv2.connectedComponentsWithStats(mask, connectivity=4)
-        label, boxes = (np.asarray(part, dtype=np.int32) for part in parts)
+    for mask, below in parts:
+        _, *found, _ = cv2.connectedComponentsWithStats(mask, connectivity=4)
+        label, boxes = (np.asarray(each, dtype=np.int32) for each in found)
         fewest = _FEWEST / seen.pitch**2
         worth, best = _worths(label, boxes, field, fewest, below)
         if best > 0:
@@ -101,7 +107,7 @@ def _worths(
         enclosed = left > 0 and top > 0 and left + width < columns and top + height < rows
         mean = total[n] / max(pixels[n], 1.0)
         if enclosed and area >= fewest and mean > _LIT:
-            worth[n] = min(_FILL * mean, 1.0)
+            worth[n] = min(_FILL * mean, _BRIGHTEST)
             if best == 0 or area > boxes[best, 4]:
                 best = n
     return worth, best
