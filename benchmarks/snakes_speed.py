@@ -22,13 +22,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mien.capture.detector import Detector
+from mien.capture.snakes.head.patch import Placement
 from mien.capture.snakes.stepper import SnakeCapture
 from mien.formats.pictures.sources import open_source
 from report import show
 
 Picture = NDArray[np.uint8]
-STAGES = ("follow", "look_at", "field_of", "settle", "find_opening")
 STEPPER = sys.modules["mien.capture.snakes.stepper"]
+STAGES: dict[str, tuple[tuple[Any, str], ...]] = {
+    "patch": ((Placement, "warp"), (STEPPER, "look_at")),
+    "head": ((STEPPER, "follow"), (STEPPER, "fit_pose")),
+    "colour": ((STEPPER, "field_of"), (STEPPER, "brow_field"), (STEPPER, "pigments")),
+    "curves": ((STEPPER, "settle"),),
+    "mouth": tuple(
+        (STEPPER, name)
+        for name in ("find_gape", "lip_colour", "look_inside", "find_opening", "find_tongue")
+    ),
+    "eyes": ((STEPPER, "aperture"), (STEPPER, "find_irises")),
+}
+"""Stage -> owners and names of the functions that do it; none calls another."""
 
 
 def main() -> None:
@@ -86,25 +98,29 @@ def stages(pictures: list[Picture]) -> dict[str, float]:
 
 @contextmanager
 def timed(spent: dict[str, float]) -> Iterator[None]:
-    """Let the stepper's functions add what they take to ``spent``."""
-    kept = {name: getattr(STEPPER, name) for name in STAGES}
+    """Let the functions of each stage add what they take to ``spent``."""
 
-    def watch(name: str) -> Callable[..., Any]:
+    def watch(stage: str, function: Callable[..., Any]) -> Callable[..., Any]:
         def timed_call(*given: Any) -> Any:
             start = time.process_time()
-            result = kept[name](*given)
-            spent[name] += time.process_time() - start
+            result = function(*given)
+            spent[stage] += time.process_time() - start
             return result
 
         return timed_call
 
-    for name in STAGES:
-        setattr(STEPPER, name, watch(name))
+    kept = [
+        (stage, owner, name, getattr(owner, name))
+        for stage, members in STAGES.items()
+        for owner, name in members
+    ]
+    for stage, owner, name, function in kept:
+        setattr(owner, name, watch(stage, function))
     try:
         yield
     finally:
-        for name, function in kept.items():
-            setattr(STEPPER, name, function)
+        for _, owner, name, function in kept:
+            setattr(owner, name, function)
 
 
 if __name__ == "__main__":

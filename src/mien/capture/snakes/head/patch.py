@@ -63,7 +63,7 @@ class Placement:
     def to_frame(self, places: Array) -> Array:
         """(..., 2) pixels of the frame of patch units."""
         turn = self.matrix[:, :2]
-        return np.asarray((places - self.matrix[:, 2]) @ np.linalg.inv(turn).T)
+        return np.asarray((places - self.matrix[:, 2]) @ (turn / (turn[0] @ turn[0])))
 
     def moved(self, similarity: Array) -> Placement:
         """The placement whose patch units are ``similarity`` (2, 3) of this one's."""
