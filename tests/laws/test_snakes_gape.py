@@ -65,8 +65,9 @@ def test_what_lies_round_a_part(seed: int, below: bool) -> None:
     mask = (random.random((14, 17)) < 0.35).astype(np.uint8)
     field = random.random(mask.shape, dtype=np.float32)
     count, label, boxes, _ = cv2.connectedComponentsWithStats(mask, connectivity=4)
-    worth, best = _worths(label, boxes, field, 2.0, below)
     side = 2 * _DEEP + 1
+    edge = cv2.morphologyEx(mask, cv2.MORPH_GRADIENT, np.ones((side, side), np.uint8))
+    worth, best = _worths(label, edge, boxes, field, 2.0, below)
     reach = np.zeros((side, side), np.uint8)
     reach[:, _DEEP if below else slice(None)] = 1
     if below:

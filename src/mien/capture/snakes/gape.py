@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from mien.capture.snakes.colour.pigments import Pigments
 from mien.capture.snakes.colour.transform import Field
 from mien.capture.snakes.curves.lens import boxed
-from mien.capture.snakes.mouth import BRIGHT, LipColour, inside_masks
+from mien.capture.snakes.mouth import BRIGHT, LipColour, inside_masks, median
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.uint8]
@@ -34,6 +34,7 @@ _FEWEST = 32.0
 """Squared patch units."""
 _DEEP = 2
 """Pixels for which lips are looked at."""
+_NEAR = np.ones((2 * _DEEP + 1, 2 * _DEEP + 1), np.uint8)
 _UPPER_LIP, _LOWER_LIP, _CORNER = 9.0, 16.0, 10.0
 """Patch units from a mouth's inside to the lips' outline."""
 
@@ -51,14 +52,15 @@ class Gape:
 def find_gape(field: Field, seen: Pigments, lips: LipColour) -> Gape:
     """The open mouth in the lips' ``field``, of the same pixels as ``seen``."""
     _, teeth = inside_masks(seen, lips)
-    pale = (field < _PALER * np.median(field)) & (seen.value > BRIGHT * lips.value)
+    pale = (field < _PALER * median(field.ravel())) & (seen.value > BRIGHT * lips.value)
     parts = ((field < _HOLE).view(np.uint8), False), (teeth | pale.view(np.uint8), True)
     lit, most, widest = field, 0, None
     for mask, below in parts:
         _, *found, _ = cv2.connectedComponentsWithStats(mask, connectivity=4)
         label, boxes = (np.asarray(each, dtype=np.int32) for each in found)
         fewest = _FEWEST / seen.pitch**2
-        worth, best = _worths(label, boxes, field, fewest, below)
+        rim = np.asarray(cv2.morphologyEx(mask, cv2.MORPH_GRADIENT, _NEAR), dtype=np.uint8)
+        worth, best = _worths(label, rim, boxes, field, fewest, below)
         if best > 0:
             lit = np.maximum(lit, worth[label])
         if best > 0 and boxes[best, cv2.CC_STAT_AREA] > most:
@@ -78,13 +80,15 @@ def _lips_round(box: NDArray[np.int32], seen: Pigments) -> Array:
 @njit(cache=True, nogil=True)
 def _worths(
     label: NDArray[np.int32],
+    rim: Mask,
     boxes: NDArray[np.int32],
     field: Field,
     fewest: float,
     below: bool,
 ) -> tuple[Field, int]:
     """(N,) I that each component gets, 0 for those without lips round (or ``below``) it, and the
-    largest of the others, or 0. ``boxes`` (N, 5): left, top, width, height, area."""
+    largest of the others, or 0. ``rim`` (H, W) is 1 where there is more than one of them within
+    _DEEP pixels; ``boxes`` (N, 5): left, top, width, height, area."""
     rows, columns = label.shape
     count = len(boxes)
     total, pixels = np.zeros(count), np.zeros(count)
@@ -92,6 +96,8 @@ def _worths(
     aside = 0 if below else _DEEP
     for y in range(rows):
         for x in range(columns):
+            if rim[y, x] == 0:
+                continue
             own = label[y, x]
             for v in range(max(y - _DEEP, 0), min(y + aside, rows - 1) + 1):
                 for u in range(max(x - aside, 0), min(x + aside, columns - 1) + 1):
