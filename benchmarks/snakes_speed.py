@@ -30,8 +30,9 @@ from report import show
 Picture = NDArray[np.uint8]
 STEPPER = sys.modules["mien.capture.snakes.stepper"]
 STAGES: dict[str, tuple[tuple[Any, str], ...]] = {
+    "rest": ((SnakeCapture, "step"),),
     "patch": ((Placement, "warp"), (STEPPER, "look_at")),
-    "head": ((STEPPER, "follow"), (STEPPER, "fit_pose")),
+    "head": ((SnakeCapture, "_follow"),),
     "colour": ((STEPPER, "field_of"), (STEPPER, "brow_field"), (STEPPER, "pigments")),
     "curves": ((STEPPER, "settle"),),
     "mouth": tuple(
@@ -40,7 +41,7 @@ STAGES: dict[str, tuple[tuple[Any, str], ...]] = {
     ),
     "eyes": ((STEPPER, "aperture"), (STEPPER, "find_irises")),
 }
-"""Stage -> owners and names of the functions that do it; none calls another."""
+"""Stage -> owners and names of the functions that do it, without what they call of other stages."""
 
 
 def main() -> None:
@@ -81,45 +82,50 @@ def rate(pictures: list[Picture], look: Callable[[Picture], object]) -> float:
 
 
 def stages(pictures: list[Picture]) -> dict[str, float]:
-    """Milliseconds a frame of each stage and of the rest."""
-    spent = dict.fromkeys(STAGES, 0.0)
-    with timed(spent):
+    """Milliseconds a frame of each stage."""
+    with timed() as spent:
         stepper = SnakeCapture()
         stepper.step(pictures[0])
         spent.update(dict.fromkeys(STAGES, 0.0))
-        start = time.process_time()
         for picture in pictures[1:]:
             stepper.step(picture)
-        whole = time.process_time() - start
-    count = len(pictures) - 1
-    figures = {f"{name}_ms": 1e3 * seconds / count for name, seconds in spent.items()}
-    return figures | {"rest_ms": 1e3 * (whole - sum(spent.values())) / count}
+    return {f"{name}_ms": 1e3 * spent[name] / (len(pictures) - 1) for name in STAGES}
 
 
 @contextmanager
-def timed(spent: dict[str, float]) -> Iterator[None]:
-    """Let the functions of each stage add what they take to ``spent``."""
+def timed() -> Iterator[dict[str, float]]:
+    """Seconds of each stage, which grow as its functions are called: those of the innermost."""
+    spent, running = dict.fromkeys(STAGES, 0.0), ["rest"]
+    since = time.process_time()
+
+    def charge() -> None:
+        nonlocal since
+        now = time.process_time()
+        spent[running[-1]] += now - since
+        since = now
 
     def watch(stage: str, function: Callable[..., Any]) -> Callable[..., Any]:
-        def timed_call(*given: Any) -> Any:
-            start = time.process_time()
-            result = function(*given)
-            spent[stage] += time.process_time() - start
+        def timed_call(*given: Any, **named: Any) -> Any:
+            charge()
+            running.append(stage)
+            result = function(*given, **named)
+            charge()
+            running.pop()
             return result
 
         return timed_call
 
     kept = [
-        (stage, owner, name, getattr(owner, name))
+        (owner, name, getattr(owner, name), stage)
         for stage, members in STAGES.items()
         for owner, name in members
     ]
-    for stage, owner, name, function in kept:
+    for owner, name, function, stage in kept:
         setattr(owner, name, watch(stage, function))
     try:
-        yield
+        yield spent
     finally:
-        for _, owner, name, function in kept:
+        for owner, name, function, _ in kept:
             setattr(owner, name, function)
 
 

@@ -118,7 +118,7 @@ def look_inside(outline: Array, seen: Pigments, lips: LipColour) -> Inside:
 def find_opening(outline: Array, seen: Pigments, inside: Inside) -> Opening:
     """What shows inside the lips' ``outline`` (6, 2); ``seen`` at one patch unit a pixel."""
     within, teeth = inside.within, inside.teeth
-    share = float((teeth & within).sum()) / max(float(within.sum()), 1.0)
+    share = cv2.countNonZero(teeth & within) / max(cv2.countNonZero(within), 1)
     shown = opened((inside.dark | teeth) & within, _MARGIN)
     if cv2.countNonZero(shown) >= _FEWEST:
         upper, lower = hull_edges(shown)

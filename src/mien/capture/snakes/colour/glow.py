@@ -7,6 +7,8 @@ wide mouth; so it is taken from many frames.
 
 from __future__ import annotations
 
+from math import log
+
 import numpy as np
 
 from mien.capture.snakes.colour.transform import CONTRAST, Field
@@ -24,8 +26,9 @@ def excess(field: Field, known: float | None) -> float:
     exceeds one half in ``_SHARE`` of it, with what was ``known`` from the frames before. Negative
     where less than that lights up."""
     rank = int((1.0 - _SHARE) * (field.size - 1))
-    level = float(np.clip(np.partition(field, rank, axis=None)[rank], *_BOUNDS))
-    here = float(CONTRAST * np.log(level / (1.0 - level)))
+    least, most = _BOUNDS
+    level = min(max(float(np.partition(field, rank, axis=None)[rank]), least), most)
+    here = CONTRAST * log(level / (1.0 - level))
     return here if known is None else known + _PACE * (here - known)
 
 
