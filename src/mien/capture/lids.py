@@ -77,7 +77,7 @@ def closures(opening: Array, span: LidRange, yaw: Array) -> Array:
     """(F, 2) closure of the left and right eye: 0 open, 1 shut, below 0 wider than at rest.
 
     ``yaw`` (F,) radians, + to the performer's left: the far eye of a turned head is hardly seen
-    and follows the near one.
+    and follows the near one; but how wide the near one opens says nothing of a lid that falls.
     """
     closure = (span.open - opening) / (span.open - span.shut)
     # The network reports the last part of a blink weakly and trembles about open.
@@ -88,11 +88,17 @@ def closures(opening: Array, span: LidRange, yaw: Array) -> Array:
     left_is_far = yaw > 0.0
     return np.stack(
         [
-            np.where(left_is_far, left + share * (right - left), left),
-            np.where(left_is_far, right, right + share * (left - right)),
+            np.where(left_is_far, _led(left, right, share), left),
+            np.where(left_is_far, right, _led(right, left, share)),
         ],
         axis=1,
     )
+
+
+def _led(far: Array, near: Array, share: Array) -> Array:
+    """(F,) the far eye's closure with a ``share`` of the near one's."""
+    leader = np.where(far > 0.0, np.maximum(near, 0.0), near)
+    return np.asarray(far + share * (leader - far))
 
 
 def paired(closure: Array, height: Array) -> Array:
