@@ -39,14 +39,14 @@ _LIP = 0.3
 _PLAIN = (0.04, 0.12)
 """Shares of the mouth that tongue takes, beyond what is usual, where it is in and where it is
 plainly out."""
-_THICKER = (1.0, 1.3)
+_THICKER = (0.9, 1.2)
 """Usual thicknesses of the lower lip at which what lies below the dark is that lip alone, and at
 which it is plainly more."""
-_SLOWLY = 0.25
+_SLOWLY = 0.5
 """Patch units by which the usual lip may change in a frame."""
 _FIRST, _LAST = 10, 100
 """Frames that the usual share of pink is a mean of, at first and at last."""
-_USUALLY = 2.0
+_USUALLY = 3.0
 """Shares of the usual pink that are no tongue."""
 _LONG = 15
 """Frames for which a tongue counts that was out longer."""
