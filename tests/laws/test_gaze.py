@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mien.capture.gaze import gaze_rest
+from mien.capture.gaze import gaze, gaze_rest
 
 
 def test_shut_eyes_tell_nothing_of_the_rest() -> None:
@@ -27,3 +27,12 @@ def test_a_head_that_stays_turned_looks_back_at_the_camera() -> None:
     rest = gaze_rest(np.zeros((9, 2, 2)), turned, np.zeros((9, 2)))
     np.testing.assert_allclose(rest[:, 0], np.radians(15.0))
     np.testing.assert_allclose(rest[:, 1], 0.0)
+
+
+def test_eyes_cross_but_never_part() -> None:
+    rest, opened = np.zeros((2, 2)), np.zeros((1, 2))
+    crossed = gaze(np.array([[[-0.3, 0.0], [0.3, 0.0]]]), rest, opened)[0, :, 0]
+    assert crossed[0] < -0.2
+    assert crossed[1] > 0.2
+    parted = gaze(np.array([[[0.4, 0.0], [-0.2, 0.0]]]), rest, opened)[0, :, 0]
+    assert np.allclose(parted, 0.1)

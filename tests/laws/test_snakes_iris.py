@@ -25,6 +25,7 @@ Array = NDArray[np.float64]
 Picture = NDArray[np.uint8]
 SKIN, WHITE, DARK = (200, 150, 125), (215, 205, 200), (50, 35, 30)
 EYES = usual_features()[[ROW["eye_right"], ROW["eye_left"]]]
+MIDDLES = EYES[:, :2].mean(axis=1)
 
 
 def painted(aside: Array) -> Picture:
@@ -44,17 +45,38 @@ def painted(aside: Array) -> Picture:
 
 @pytest.mark.parametrize("aside", [0.0, 7.0, -7.0])
 def test_irises_are_found_where_they_are(aside: float) -> None:
-    found = find_irises(look_at(painted(np.full((2, 2), (aside, 0.0)))), EYES)
-    across = (found - EYES[:, :2].mean(axis=1))[:, 0]
-    assert np.abs(across - aside).max() < 2.0
+    found = find_irises(look_at(painted(np.full((2, 2), (aside, 0.0)))), MIDDLES)
+    assert np.abs(found.aside[:, 0] - aside).max() < 2.0
+    assert np.allclose(found.places, MIDDLES + found.aside)
+    assert found.plain.min() == 1.0
 
 
 def test_eyes_may_cross() -> None:
     crossed = np.array([[7.0, 0.0], [-7.0, 0.0]])
-    found = find_irises(look_at(painted(crossed)), EYES)
-    across = (found - EYES[:, :2].mean(axis=1))[:, 0]
+    across = find_irises(look_at(painted(crossed)), MIDDLES).aside[:, 0]
     assert across[0] > 4.0
     assert across[1] < -4.0
+
+
+def test_eyes_do_not_part_but_for_what_is_usual_of_a_face() -> None:
+    look = look_at(painted(np.array([[-7.0, 0.0], [7.0, 0.0]])))
+    right, left = find_irises(look, MIDDLES, 0.0).aside[:, 0]
+    assert left - right < 10.0
+    usual = find_irises(look, MIDDLES)
+    assert usual.apart == pytest.approx(14.0, abs=3.0)
+    right, left = find_irises(look, MIDDLES, usual.apart).aside[:, 0]
+    assert left - right > 11.0
+
+
+def test_lashes_of_a_shut_eye_are_no_iris() -> None:
+    patch = np.empty((HEIGHT, WIDTH, 3), np.uint8)
+    patch[:] = SKIN
+    for eye in EYES:
+        ends = np.rint(eye[:2] + ORIGIN).astype(int).tolist()
+        cv2.line(patch, ends[0], ends[1], DARK, 4)
+    found = find_irises(look_at(np.asarray(cv2.GaussianBlur(patch, (0, 0), 1.0))), MIDDLES)
+    assert found.plain.max() < 0.5
+    assert found.apart is None
 
 
 def test_a_look_to_the_subjects_left_is_positive() -> None:

@@ -16,7 +16,8 @@ _PITCH_GAIN = 0.4
 """Lids cover the iris above and below: the network sees half of a look up or down and invents
 the rest, so it is damped."""
 _VERGENCE_FREE = np.radians(6.0)
-"""Eyes are averaged unless they disagree by more: noise must not make a squint, crossing must."""
+"""Eyes are averaged unless they cross by more: noise must not make a squint, crossing must. They
+never part."""
 _RESTING_TURN = np.radians(10.0)
 _OPEN = 0.3
 """Closure of an eye that hides nothing of the iris."""
@@ -50,8 +51,8 @@ def gaze(raw: Array, rest: Array, closure: Array) -> Array:
     """(F, 2, 2) gaze relative to rest, faded out behind shut lids (``closure`` (F, 2))."""
     relative = raw - rest
     both = relative.mean(1, keepdims=True)
-    apart = relative - both
-    apart = np.sign(apart) * np.clip(np.abs(apart) - _VERGENCE_FREE / 2.0, 0.0, None)
-    apart[..., 1] = 0.0
+    crossed = np.clip(relative[:, 1, 0] - relative[:, 0, 0] - _VERGENCE_FREE, 0.0, None)
+    apart = np.zeros_like(relative)
+    apart[..., 0] = 0.5 * crossed[:, None] * np.array([-1.0, 1.0])
     seen = np.clip((0.8 - closure.mean(1)) / 0.4, 0.0, 1.0)[:, None, None]
     return np.asarray((both + apart) * np.array([1.0, _PITCH_GAIN]) * seen)

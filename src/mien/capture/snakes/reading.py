@@ -43,8 +43,8 @@ _WINDOW = 0.5
 """Seconds for which a face rests when it rests."""
 PUPIL_RADIUS = 12.0 / MM
 """Patch units from the centre of an eyeball to its pupil."""
-_FARTHEST_LOOK = np.sin(np.radians(35.0))
-"""Eyes turn no farther before the head does: what looks farther is a lash or a shadow."""
+_FARTHEST_LOOK = np.radians(35.0)
+"""Eyes turn no farther from rest before the head does: what looks farther is a lash or a shadow."""
 EYES_DEPTH = 12.0
 """mm the corners of the eyes lie in front of the head's origin."""
 
@@ -121,7 +121,7 @@ def calibrate(
     return Calibration(
         neutral=model + offset,
         lids=lid_range,
-        gaze=gaze_rest(_raw_gaze(track)[seen], turn[seen], closure[seen]),
+        gaze=gaze_rest(_raw_gaze(track)[seen], turn[seen], _hidden(track, closure)[seen]),
         place=np.median(head.translation[seen], axis=0),
         focal=focal,
     )
@@ -143,6 +143,8 @@ def perform(track: CurveTrack, known: Calibration, source: str) -> Performance:
     head = heads(track, known.focal)
     motion = _motion(track, known.neutral, head, known.focal)
     closure = lids.closures(track.opening, known.lids, facing(head)[:, 0])
+    reach = _FARTHEST_LOOK
+    looks = np.clip(_raw_gaze(track), known.gaze - reach, known.gaze + reach)
     hold = _hold(track.lost)
     share = 1.0 - track.missed[:, LASTING].mean(axis=1)
     return Performance(
@@ -153,7 +155,7 @@ def perform(track: CurveTrack, known: Calibration, source: str) -> Performance:
         sigma=SIGMA,
         rotation=(WORLD_FROM_CAMERA @ head.rotation)[hold],
         translation=(head.translation @ WORLD_FROM_CAMERA)[hold],
-        gaze=gaze(_raw_gaze(track), known.gaze, closure)[hold],
+        gaze=gaze(looks, known.gaze, _hidden(track, closure))[hold],
         confidence=np.where(track.lost, 0.0, share),
         lost=track.lost,
         unseen=head.rotation[:, 2][hold],
@@ -193,4 +195,10 @@ def _towards(ray: Array) -> Array:
 def _raw_gaze(track: CurveTrack) -> Array:
     """(F, 2, 2) yaw (+ left) and pitch (+ up) of the left and right eye, from an unknown rest."""
     aside = track.irises * np.array([1.0, -1.0]) / PUPIL_RADIUS
-    return np.asarray(np.arcsin(np.clip(aside, -_FARTHEST_LOOK, _FARTHEST_LOOK)))
+    return np.asarray(np.arcsin(np.clip(aside, -0.95, 0.95)))
+
+
+def _hidden(track: CurveTrack, closure: Array) -> Array:
+    """(F, 2) how far lids hide the left and the right iris: a lid in shadow may be down though its
+    curves (``closure``) are not."""
+    return np.maximum(closure, 1.0 - track.plain)

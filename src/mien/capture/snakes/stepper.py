@@ -25,6 +25,7 @@ from mien.capture.snakes.curves.fields import (
     usual_weights,
 )
 from mien.capture.snakes.curves.settle import Expected, settle
+from mien.capture.snakes.doubt import doubtful
 from mien.capture.snakes.gape import find_gape
 from mien.capture.snakes.head.box import find_face
 from mien.capture.snakes.head.flow import NOSE, choose, follow, steepness
@@ -32,7 +33,7 @@ from mien.capture.snakes.head.patch import COARSE, EYES, Picture, Placement
 from mien.capture.snakes.head.pose import RESTING, Pose
 from mien.capture.snakes.head.relief import lifted
 from mien.capture.snakes.head.rigid import Rigid, neck_of, remembered
-from mien.capture.snakes.iris import find_irises
+from mien.capture.snakes.iris import Irises, find_irises
 from mien.capture.snakes.mouth import (
     LipColour,
     Opening,
@@ -86,14 +87,14 @@ class Seen:
     rigid: Array
     """(COUNT, 2) points of nose and inner eyes, patch units."""
     lost: Bools
-    """(L,) features that were not found; their lenses are the last ones that were."""
+    """(L,) features that were not found; their lenses are the last ones that were, or, of lips,
+    doubtful ones."""
     contrast: Array
     """(L,) mean I just inside the curves minus just outside."""
     opening: Opening
     tongue: Tongue | None
     """None before a mouth was seen."""
-    irises: Array
-    """(2, 2) middles of the right and the left iris, patch units."""
+    irises: Irises
     apertures: Array
     """(2,) how tall the right and the left eye stand open in this frame alone, patch units."""
     look: Look
@@ -259,7 +260,8 @@ class SnakeCapture:
             hint = None
             if feature.group == "lip":
                 glow = excess(field, None if self._last is None else self._last.glow)
-                gape = find_gape(dimmed(field, glow), mouth, lips)
+                shown = dimmed(field, glow)
+                gape = find_gape(shown, mouth, lips)
                 field, hint = gape.field, gape.lens
             gone = self._last is not None and bool(self._last.lost[row])
             expected = Expected(rest[row], start.lenses[row], known, gone, hint)
@@ -267,6 +269,8 @@ class SnakeCapture:
             lost[row], contrast[row] = settled.lost, settled.contrast
             if not settled.lost or strange:
                 lenses[row] = settled.lens
+            if feature.group == "lip":
+                lost[row] |= doubtful(settled.lens, settled.contrast, shown, mouth)
         tongue = None if self._last is None else self._last.tongue
         if lost[_LIPS] and not strange:
             opening = Opening(lenses[MOUTH], 0.0)
@@ -278,6 +282,8 @@ class SnakeCapture:
             opening = find_opening(lenses[_LIPS], close, inside)
             tongue = find_tongue(lenses[_LIPS], opening.lens, close, inside, tongue)
         lenses[MOUTH] = opening.lens
+        middles = (rest if known else lenses)[_EYES, :2].mean(axis=1)
+        irises = find_irises(look, middles, self._last.irises.apart if self._last else None)
         return Seen(
             start.placement,
             start.pose,
@@ -287,7 +293,7 @@ class SnakeCapture:
             contrast,
             opening,
             tongue,
-            find_irises(look, lenses[_EYES]),
+            irises,
             np.array(apertures),
             look,
             weights,
@@ -302,7 +308,7 @@ def _middles(seen: Seen) -> Array:
     outwards; the irises between them are not painted."""
     corners = seen.lenses[_EYES, :2].mean(axis=1)
     middle, across = corners.mean(axis=0), 0.5 * (corners[1] - corners[0])
-    apart = float(np.linalg.norm(seen.irises[1] - seen.irises[0])) / _PUPILS_APART
+    apart = float(np.linalg.norm(seen.irises.places[1] - seen.irises.places[0])) / _PUPILS_APART
     share = apart / max(2.0 * float(np.linalg.norm(across)), 1e-6)
     if _LIKELY[0] < share < _LIKELY[1]:
         across = across * 0.5 * (1.0 + share)

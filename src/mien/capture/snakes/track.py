@@ -39,7 +39,10 @@ class CurveTrack:
     tongue: Array
     """(F,) 0..1"""
     irises: Array
-    """(F, 2, 2) of the left and the right eye, patch units from the middle of its corners."""
+    """(F, 2, 2) of the left and the right eye, patch units from the middle of its corners at rest,
+    turned with the head."""
+    plain: Array
+    """(F, 2) how plainly the left and the right iris are seen, 0..1."""
     apertures: Array
     """(F, 2) how tall the left and the right eye stand open in the frame alone, patch units."""
     missed: Bools
@@ -99,6 +102,7 @@ class _Row(NamedTuple):
     scale: float
     tongue: float
     irises: Array
+    plain: Array
     apertures: Array
     missed: Bools
     lost: bool
@@ -112,6 +116,7 @@ _NOTHING = _Row(
     1.0,
     0.0,
     np.zeros((2, 2)),
+    np.zeros(2),
     np.zeros(2),
     np.ones(MOUTH, dtype=bool),
     True,
@@ -129,7 +134,8 @@ def _row(seen: Seen) -> _Row:
         placement.to_frame(np.zeros(2)),
         placement.scale,
         seen.tongue.out if seen.tongue else 0.0,
-        seen.irises[::-1] - seen.lenses[_EYES, :2].mean(axis=1),
+        seen.irises.aside[::-1],
+        seen.irises.plain[::-1],
         seen.apertures[::-1],
         seen.lost,
         False,

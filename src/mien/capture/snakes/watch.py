@@ -41,7 +41,7 @@ def trace_of(seen: Seen | None) -> Trace:
         left, top, right, bottom = feature.box
         corners = np.array([[left, top], [right, top], [right, bottom], [left, bottom]])
         boxes[feature.name] = seen.placement.to_frame(corners.astype(float))
-    for side, middle in zip(("right", "left"), seen.irises, strict=True):
+    for side, middle in zip(("right", "left"), seen.irises.places, strict=True):
         curves[f"iris_{side}"] = seen.placement.to_frame(middle + _IRIS)
     tips = np.array([[0, 0, 0], [1, 0, 0], [0, -1, 0], [0, 0, -1]]) * _AXIS
     notes = [f"{name} lost" for name, gone in zip(NAMES, seen.lost, strict=True) if gone]
