@@ -25,6 +25,7 @@ from mien.capture.snakes.curves.fields import (
     usual_weights,
 )
 from mien.capture.snakes.curves.settle import Expected, settle
+from mien.capture.snakes.doubt import doubtful
 from mien.capture.snakes.gape import find_gape
 from mien.capture.snakes.head.box import find_face
 from mien.capture.snakes.head.flow import NOSE, choose, follow, steepness
@@ -86,7 +87,8 @@ class Seen:
     rigid: Array
     """(COUNT, 2) points of nose and inner eyes, patch units."""
     lost: Bools
-    """(L,) features that were not found; their lenses are the last ones that were."""
+    """(L,) features that were not found; their lenses are the last ones that were, or, of lips,
+    doubtful ones."""
     contrast: Array
     """(L,) mean I just inside the curves minus just outside."""
     opening: Opening
@@ -258,7 +260,8 @@ class SnakeCapture:
             hint = None
             if feature.group == "lip":
                 glow = excess(field, None if self._last is None else self._last.glow)
-                gape = find_gape(dimmed(field, glow), mouth, lips)
+                shown = dimmed(field, glow)
+                gape = find_gape(shown, mouth, lips)
                 field, hint = gape.field, gape.lens
             gone = self._last is not None and bool(self._last.lost[row])
             expected = Expected(rest[row], start.lenses[row], known, gone, hint)
@@ -266,6 +269,8 @@ class SnakeCapture:
             lost[row], contrast[row] = settled.lost, settled.contrast
             if not settled.lost or strange:
                 lenses[row] = settled.lens
+            if feature.group == "lip":
+                lost[row] |= doubtful(settled.lens, settled.contrast, shown, mouth)
         tongue = None if self._last is None else self._last.tongue
         if lost[_LIPS] and not strange:
             opening = Opening(lenses[MOUTH], 0.0)
