@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from mien.capture.gaze import gaze, gaze_rest
+from mien.capture.lids import LidRange, closures
 
 
 def test_shut_eyes_tell_nothing_of_the_rest() -> None:
@@ -36,3 +38,10 @@ def test_eyes_cross_but_never_part() -> None:
     assert crossed[1] > 0.2
     parted = gaze(np.array([[[0.4, 0.0], [-0.2, 0.0]]]), rest, opened)[0, :, 0]
     assert np.allclose(parted, 0.1)
+
+
+def test_an_eye_half_as_wide_again_as_at_rest_is_no_wider_than_that() -> None:
+    span = LidRange(np.array([10.0, 10.0]), np.zeros(2))
+    wide = closures(np.array([[15.0, 10.5], [10.0, 5.0]]), span, np.zeros(2))
+    assert wide[0] == pytest.approx([-0.5, -0.0208], abs=1e-3)
+    assert wide[1, 0] == 0.0

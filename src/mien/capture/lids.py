@@ -82,7 +82,7 @@ def closures(opening: Array, span: LidRange, yaw: Array) -> Array:
     closure = (span.open - opening) / (span.open - span.shut)
     # The network reports the last part of a blink weakly and trembles about open.
     closure = closure * (1.0 + 0.35 * np.clip(closure - 0.35, 0.0, 0.4))
-    closure = np.where(closure < 0.12, closure * np.abs(closure) / 0.12, closure)
+    closure = np.where(np.abs(closure) < 0.12, closure * np.abs(closure) / 0.12, closure)
     share = np.clip((np.degrees(np.abs(yaw)) - 15.0) / (28.0 - 15.0), 0.0, 1.0)
     left, right = closure[:, 0], closure[:, 1]
     left_is_far = yaw > 0.0
