@@ -5,11 +5,14 @@ from __future__ import annotations
 import cv2
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from mien.capture import CAPTURES, CaptureSettings
 from mien.capture.snakes.colour.pigments import Pigments
 from mien.capture.snakes.curves.features import usual_lenses
+from mien.capture.snakes.curves.lens import tallness
 from mien.capture.snakes.mouth import (
+    Inside,
     LipColour,
     filled,
     find_opening,
@@ -28,11 +31,31 @@ TONGUE, TEETH = (180.0, 115.0, 115.0), (215.0, 190.0, 175.0)
 SHADED_TEETH = (190.0, 155.0, 143.0)
 PALE_LIP, RED_TONGUE = (200.0, 134.0, 108.0), (200.0, 80.0, 75.0)
 
-
+Array = NDArray[np.float64]
 Colour = tuple[float, float, float]
 
-
 USUAL = Tongue(0.0, 12.0)
+CORNER = np.array([-70.0, 60.0])
+
+
+def painted(picture: Array, lips: Array, lip: Colour) -> tuple[Pigments, Inside]:
+    """A picture whose first pixel lies at CORNER, and what is within ``lips`` of that colour."""
+    value = picture.max(axis=2).astype(np.float32)
+    magenta = (1.0 - picture[..., 1] / value).astype(np.float32)
+    blue = (picture[..., 2] / picture[..., 1]).astype(np.float32)
+    seen = Pigments(value, magenta, blue, CORNER, 1)
+    return seen, look_inside(lips, seen, LipColour(lip[0], 1.0 - lip[1] / lip[0]))
+
+
+def shut(lip: Colour = LIP) -> tuple[Array, Array, tuple[int, int]]:
+    """A picture of lips in skin, their lens, and the row and column of their middle."""
+    lips = usual_lenses()["lips"]
+    lips = lips.mean(axis=0) + (lips - lips.mean(axis=0)) * np.array([1.0, 2.5])
+    picture = np.tile(np.array(SKIN), (130, 140, 1))
+    blank = np.zeros(picture.shape[:2], np.float32)
+    picture[filled(lips, Pigments(blank, blank, blank, CORNER, 1)) > 0] = lip
+    row, column = (np.round(lips.mean(axis=0) - CORNER)[::-1]).astype(int)
+    return picture, lips, (int(row), int(column))
 
 
 def mouth(
@@ -44,24 +67,31 @@ def mouth(
 ) -> Tongue:
     """What is found in a painted mouth: dark above, ``inner`` and ``low`` below one another, down
     to row ``bottom`` from the middle."""
-    lips = usual_lenses()["lips"]
-    lips = lips.mean(axis=0) + (lips - lips.mean(axis=0)) * np.array([1.0, 2.5])
-    corner, shape = np.array([-70.0, 60.0]), (130, 140)
-    colour = np.empty((*shape, 3))
-    colour[:] = SKIN
-    blank = np.zeros(shape, np.float32)
-    colour[filled(lips, Pigments(blank, blank, blank, corner, 1)) > 0] = lip
-    rows, columns = (np.round(lips.mean(axis=0) - corner)[::-1]).astype(int)
-    across = slice(columns - 22, columns + 23)
+    picture, lips, (row, column) = shut(lip)
+    across = slice(column - 22, column + 23)
     for first, last, paint in ((-14, -6, DARK), (-6, 4, inner), (4, bottom, low)):
-        colour[rows + first : rows + last, across] = paint
-    value = colour.max(axis=2).astype(np.float32)
-    magenta = (1.0 - colour[..., 1] / value).astype(np.float32)
-    blue = (colour[..., 2] / colour[..., 1]).astype(np.float32)
-    own = LipColour(lip[0], 1.0 - lip[1] / lip[0])
-    seen = Pigments(value, magenta, blue, corner, 1)
-    inside = look_inside(lips, seen, own)
+        picture[row + first : row + last, across] = paint
+    seen, inside = painted(picture, lips, lip)
     return find_tongue(lips, find_opening(lips, seen, inside).lens, seen, inside, usual)
+
+
+@pytest.mark.parametrize(("thick", "open_"), [(3, False), (7, True)])
+def test_a_bent_line_between_shut_lips_is_no_opening(thick: int, open_: bool) -> None:
+    picture, lips, (row, column) = shut()
+    for x in range(-30, 31):
+        top = row + round(x * x / 100)
+        picture[top : top + thick, column + x] = DARK
+    lens = find_opening(lips, *painted(picture, lips, LIP)).lens
+    assert (tallness(lens) > 4.0) == open_
+
+
+@pytest.mark.parametrize("top", [-8, -30])
+def test_shaded_teeth_count_where_lips_lie_round_them(top: int) -> None:
+    picture, lips, (row, column) = shut()
+    picture[row + top : row + 8, column - 25 : column + 26] = SHADED_TEETH
+    picture[row + 8 : row + 11, column - 25 : column + 26] = DARK
+    lens = find_opening(lips, *painted(picture, lips, LIP)).lens
+    assert (tallness(lens) > 12.0) == (top == -8)
 
 
 @pytest.mark.parametrize(

@@ -30,12 +30,17 @@ _DARK = 0.38
 """ln(V of the lips / V) from which a pixel is dark."""
 _PALE = 0.65
 """Share of the skin's magenta that a tooth has at most: lips have more than skin, teeth less."""
+_SHADED = 0.9
+"""The same of teeth in the shade, or in a soft picture."""
 BRIGHT = 0.55
 """Share of the lips' brightness that a tooth has at least."""
 _FEWEST = 30
 """Pixels of an opening."""
 _SLIT = 3.0
 """Patch units of height below which a mouth is shut and one curve serves both lips."""
+_LINE = 4.0
+"""Patch units of mean thickness below which what is dark, without teeth, is the line between shut
+lips; it may be bent and fill a taller box."""
 _ACROSS = np.linspace(0.25, 0.75, 21)
 """Shares of the way from the upper to the lower lip at which the slit may be."""
 _WIDE = 0.5
@@ -119,14 +124,31 @@ def find_opening(outline: Array, seen: Pigments, inside: Inside) -> Opening:
     """What shows inside the lips' ``outline`` (6, 2); ``seen`` at one patch unit a pixel."""
     within, teeth = inside.within, inside.teeth
     share = cv2.countNonZero(teeth & within) / max(cv2.countNonZero(within), 1)
-    shown = opened((inside.dark | teeth) & within, _MARGIN)
-    if cv2.countNonZero(shown) >= _FEWEST:
+    bright = (teeth & within) | _shaded_teeth(seen, inside)
+    shown = opened((inside.dark & within) | bright, _MARGIN)
+    count = cv2.countNonZero(shown)
+    if count >= _FEWEST:
         upper, lower = hull_edges(shown)
         lens = fit_lens(upper, lower) + seen.corner
-        wide = upper[-1, 0] - upper[0, 0] > _WIDE * (outline[1, 0] - outline[0, 0])
-        if wide and tallness(lens) >= _SLIT:
+        width = upper[-1, 0] - upper[0, 0]
+        wide = width > _WIDE * (outline[1, 0] - outline[0, 0])
+        thick = count >= _LINE * width or opened(bright, _MARGIN).any()
+        if wide and thick and tallness(lens) >= _SLIT:
             return Opening(lens, share)
     return Opening(_slit(outline, seen), share)
+
+
+def _shaded_teeth(seen: Pigments, inside: Inside) -> Mask:
+    """Teeth that shade or a soft picture made nearly as pink as skin, 0 or 1: with lips, and not
+    the outline's rim, all round them, for beyond it skin is as pale."""
+    pale = (seen.magenta < _SHADED * MAGENTA_SKIN) & (seen.value > BRIGHT * inside.lips.value)
+    within = inside.within
+    count, label = cv2.connectedComponents(pale.view(np.uint8) & within, connectivity=4)
+    core = np.asarray(cv2.erode(within, _MARGIN, borderValue=0), dtype=np.uint8)
+    enclosed = np.ones(count, dtype=np.uint8)
+    enclosed[0] = 0
+    enclosed[label[within > core]] = 0
+    return enclosed[label]
 
 
 def opened(mask: Mask, by: Mask) -> Mask:
