@@ -35,7 +35,8 @@ from mien.capture.snakes.colour.training import least_squares
 from mien.capture.snakes.curves.features import LASTING, NAMES, ROW
 from mien.capture.snakes.curves.fields import Weigh, usual_weights
 from mien.capture.snakes.curves.lens import lower_curve, upper_curve
-from mien.capture.snakes.stepper import Seen, SnakeCapture
+from mien.capture.snakes.seen import Seen
+from mien.capture.snakes.stepper import SnakeCapture
 from mien.formats.performer_file import read_performer
 from mien.formats.pictures.sources import open_source
 from mien.performance.frame import Frame

@@ -28,18 +28,18 @@ from mien.formats.pictures.sources import open_source
 from report import show
 
 Picture = NDArray[np.uint8]
-STEPPER = sys.modules["mien.capture.snakes.stepper"]
+FIT = sys.modules["mien.capture.snakes.fit"]
 STAGES: dict[str, tuple[tuple[Any, str], ...]] = {
     "rest": ((SnakeCapture, "step"),),
-    "patch": ((Placement, "warp"), (STEPPER, "look_at")),
+    "patch": ((Placement, "warp"), (FIT, "look_at")),
     "head": ((SnakeCapture, "_follow"),),
-    "colour": ((STEPPER, "field_of"), (STEPPER, "brow_field"), (STEPPER, "pigments")),
-    "curves": ((STEPPER, "settle"),),
+    "colour": ((FIT, "field_of"), (FIT, "brow_field"), (FIT, "pigments")),
+    "curves": ((FIT, "settle"),),
     "mouth": tuple(
-        (STEPPER, name)
+        (FIT, name)
         for name in ("find_gape", "lip_colour", "look_inside", "find_opening", "find_tongue")
     ),
-    "eyes": ((STEPPER, "aperture"), (STEPPER, "find_irises")),
+    "eyes": ((FIT, "aperture"), (FIT, "find_irises")),
 }
 """Stage -> owners and names of the functions that do it, without what they call of other stages."""
 

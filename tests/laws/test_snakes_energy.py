@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from mien.capture.snakes.colour.network import Lesson, Network, error, train, untrained
 from mien.capture.snakes.colour.pigments import pigments
-from mien.capture.snakes.colour.skin import USUAL_SKIN
+from mien.capture.snakes.colour.skin import USUAL_SKIN, gains
 from mien.capture.snakes.colour.transform import Weights, channels, contrast, transform
 from mien.capture.snakes.curves.energy import HALF_STEP, SAMPLES, Terms, descend, energy, packed
 from mien.capture.snakes.curves.features import usual_lenses
@@ -146,7 +146,7 @@ def some_look() -> Look:
     random = np.random.default_rng(3)
     noise = random.integers(20, 235, (HEIGHT, WIDTH, 3), dtype=np.uint8)
     patch = np.asarray(cv2.GaussianBlur(noise, (0, 0), 2.0))
-    return look_at(patch, USUAL_SKIN / np.array([1.2, 0.9, 1.1]))
+    return look_at(patch, gains(USUAL_SKIN / np.array([1.2, 0.9, 1.1])))
 
 
 def test_features_are_darker_than_skin() -> None:

@@ -14,7 +14,8 @@ import pytest
 from mien.capture import CAPTURES, CaptureSettings
 from mien.capture.snakes.curves.features import ROW
 from mien.capture.snakes.head.patch import HEIGHT
-from mien.capture.snakes.stepper import Seen, SnakeCapture
+from mien.capture.snakes.seen import Seen
+from mien.capture.snakes.stepper import SnakeCapture
 from mien.errors import NoFaceError
 from mien.face.library import load_character
 from mien.formats.pictures.sources import open_source

@@ -2,53 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from mien.capture.snakes.aperture import aperture
-from mien.capture.snakes.colour.glow import dimmed, excess
-from mien.capture.snakes.colour.pigments import pigments
-from mien.capture.snakes.colour.skin import skin_colour
-from mien.capture.snakes.colour.transform import Weights, window
-from mien.capture.snakes.curves.features import FEATURES, LASTING, MOUTH, ROW, usual_features
-from mien.capture.snakes.curves.fields import (
-    Look,
-    Weigh,
-    brow_field,
-    corner_of,
-    field_of,
-    look_at,
-    usual_weights,
-)
-from mien.capture.snakes.curves.settle import Expected, settle
-from mien.capture.snakes.doubt import doubtful
-from mien.capture.snakes.gape import find_gape
+from mien.capture.snakes.curves.features import LASTING, MOUTH, ROW, usual_features
+from mien.capture.snakes.curves.fields import Weigh, usual_weights
+from mien.capture.snakes.fit import Known, fit
 from mien.capture.snakes.head.box import find_face
 from mien.capture.snakes.head.flow import NOSE, choose, follow, steepness
-from mien.capture.snakes.head.patch import COARSE, EYES, Picture, Placement
+from mien.capture.snakes.head.patch import EYES, Picture, Placement, grey_of
 from mien.capture.snakes.head.pose import RESTING, Pose
 from mien.capture.snakes.head.relief import lifted
 from mien.capture.snakes.head.rigid import Rigid, neck_of, remembered
-from mien.capture.snakes.iris import Irises, find_irises
-from mien.capture.snakes.mouth import (
-    LipColour,
-    Opening,
-    around,
-    find_opening,
-    lip_colour,
-    look_inside,
-)
-from mien.capture.snakes.tongue import Tongue, find_tongue
+from mien.capture.snakes.seen import Seen, Start
 
 Array = NDArray[np.float64]
-Bools = NDArray[np.bool_]
 
 _EYES = np.array([ROW["eye_right"], ROW["eye_left"]])
-_LIPS = ROW["lips"]
 _UPPER_FACE = [ROW[name] for name in ("eye_right", "eye_left", "brow_right", "brow_left")]
 _FIRST_ROUNDS = 4
 """How often the first patch is moved until the eyes lie where eyes are."""
@@ -76,47 +48,6 @@ class Appearance:
     """(COUNT, 2) what is followed on it, patch units."""
 
 
-@dataclass(frozen=True, slots=True)
-class Seen:
-    """What the snakes found in one frame."""
-
-    placement: Placement
-    pose: Pose
-    lenses: Array
-    """(L + 1, 6, 2) features and the mouth's opening, patch units."""
-    rigid: Array
-    """(COUNT, 2) points of nose and inner eyes, patch units."""
-    lost: Bools
-    """(L,) features that were not found; their lenses are the last ones that were, or, of lips,
-    doubtful ones."""
-    contrast: Array
-    """(L,) mean I just inside the curves minus just outside."""
-    opening: Opening
-    tongue: Tongue | None
-    """None before a mouth was seen."""
-    irises: Irises
-    apertures: Array
-    """(2,) how tall the right and the left eye stand open in this frame alone, patch units."""
-    look: Look
-    weights: Mapping[str, Weights]
-    grey: Picture
-    lips: LipColour
-    glow: float
-    """How much of I is taken from lips and the skin round them."""
-    recovered: bool = False
-    """The face had to be found anew."""
-
-
-@dataclass(frozen=True, slots=True)
-class _Start:
-    """Where a frame's search begins."""
-
-    placement: Placement
-    pose: Pose
-    lenses: Array
-    rigid: Array
-
-
 class SnakeCapture:
     """Follows one face from frame to frame. The same frames give the same numbers, whoever feeds
     them."""
@@ -131,7 +62,7 @@ class SnakeCapture:
         ``weigh`` gives the colour weights; ``light`` False judges all frames by the skin of the
         first."""
         self._weigh, self._light = weigh, light
-        self._skin: Array | None = None
+        self._gains: Array | None = None
         self._last: Seen | None = None
         self._neck: Array | None = None
         """Pixels of the frame; it stays where it was while no face is seen."""
@@ -177,7 +108,7 @@ class SnakeCapture:
     def _look_again(self, seen: Seen, image: Picture) -> Seen:
         """``seen``, or what somebody sees who has never seen this face, where that is clearer."""
         stranger = SnakeCapture(None, self._weigh, self._light)
-        stranger._skin = self._skin
+        stranger._gains = self._gains
         fresh = stranger.step(image)
         if fresh is None or _clearness(fresh) < _CLEARER * _clearness(seen):
             return seen
@@ -190,12 +121,12 @@ class SnakeCapture:
         weight = steepness(appearance.anchor, appearance.points)
         self._rigid = Rigid.of(points, weight, self._rest[_EYES, :2].reshape(-1, 3))
 
-    def _follow(self, image: Picture) -> _Start | None:
+    def _follow(self, image: Picture) -> Start | None:
         """Where the last frame's face went."""
         if self._last is None or self.appearance is None:
             return None
         last, known = self._last, self.appearance
-        grey = _grey(last.placement.warp(image, NOSE))
+        grey = grey_of(last.placement.warp(image, NOSE))
         moved = follow(known.anchor, known.points, last.rigid, grey)
         if moved is None:
             moved = follow(last.grey, last.rigid, last.rigid, grey)
@@ -204,7 +135,7 @@ class SnakeCapture:
         carried = last.lenses @ moved.similarity[:, :2].T + moved.similarity[:, 2]
         return self._turned(last.placement, moved.points, carried, last.pose)
 
-    def _turned(self, placement: Placement, rigid: Array, lenses: Array, pose: Pose) -> _Start:
+    def _turned(self, placement: Placement, rigid: Array, lenses: Array, pose: Pose) -> Start:
         """The start with the patch put where the head's scale, roll and place are those at rest;
         ``rigid`` and ``lenses`` were seen in the patch of ``placement``."""
         corners = lenses[_EYES, :2].reshape(-1, 2)
@@ -213,9 +144,9 @@ class SnakeCapture:
         self._neck = remembered(self._neck, neck_of(placement, pose))
         back, level = pose.levelled()
         on = Placement(back)
-        return _Start(placement.moved(back), level, on.to_patch(lenses), on.to_patch(rigid))
+        return Start(placement.moved(back), level, on.to_patch(lenses), on.to_patch(rigid))
 
-    def _find(self, image: Picture) -> _Start | None:
+    def _find(self, image: Picture) -> Start | None:
         """Look for a face in the whole picture, and bring its patch right."""
         placement = find_face(image)
         if placement is None:
@@ -224,83 +155,27 @@ class SnakeCapture:
         known = self.appearance is not None
         eyes = self._rest[_EYES, :2, :2].mean(axis=1) if known else EYES
         for _ in range(_FIRST_ROUNDS):
-            start = _Start(placement, RESTING, lenses, np.zeros((0, 2)))
+            start = Start(placement, RESTING, lenses, np.zeros((0, 2)))
             seen = self._fit(start, image, strange=True)
             better = Placement.at(placement.to_frame(_middles(seen)), eyes)
             lenses = better.to_patch(placement.to_frame(seen.lenses))
             placement = better
         if self.appearance is None:
-            return _Start(placement, RESTING, lenses, np.zeros((0, 2)))
+            return Start(placement, RESTING, lenses, np.zeros((0, 2)))
         points = self.appearance.points
-        grey = _grey(placement.warp(image, NOSE))
+        grey = grey_of(placement.warp(image, NOSE))
         moved = follow(self.appearance.anchor, points, points, grey)
         there = points if moved is None else moved.points
         return self._turned(placement, there, lenses, RESTING)
 
-    def _fit(self, start: _Start, image: Picture, strange: bool = False) -> Seen:
+    def _fit(self, start: Start, image: Picture, strange: bool = False) -> Seen:
         """Let all curves settle; ``strange`` where it is not sure whether the patch lies right."""
-        known = self.appearance is not None and not strange
-        patch = start.placement.warp(image)
-        look = look_at(patch, self._skin)
-        if not self._light and self._skin is None:
-            self._skin = skin_colour(patch)
-        weights = self._weigh(look, start.lenses)
-        rest, lenses = start.pose(self._rest), start.lenses.copy()
-        lost, contrast = np.zeros(MOUTH, dtype=bool), np.zeros(MOUTH)
-        apertures = []
-        mouth = pigments(look.small, look.gains, window(FEATURES[_LIPS].box, COARSE), COARSE)
-        lips = lip_colour(lenses[_LIPS], mouth) if self._last is None else self._last.lips
-        for row, feature in enumerate(FEATURES):
-            field, corner = field_of(look, feature, weights), corner_of(feature)
-            if feature.group == "eye":
-                apertures.append(aperture(field))
-            if feature.group == "brow":
-                eye = lenses[ROW[feature.name.replace("brow", "eye")]]
-                field = brow_field(field, corner, rest[row], eye)
-            hint = None
-            if feature.group == "lip":
-                glow = excess(field, None if self._last is None else self._last.glow)
-                shown = dimmed(field, glow)
-                gape = find_gape(shown, mouth, lips)
-                field, hint = gape.field, gape.lens
-            gone = self._last is not None and bool(self._last.lost[row])
-            expected = Expected(rest[row], start.lenses[row], known, gone, hint)
-            settled = settle(feature.group, field, corner, expected, feature.pitch)
-            lost[row], contrast[row] = settled.lost, settled.contrast
-            if not settled.lost or strange:
-                lenses[row] = settled.lens
-            if feature.group == "lip":
-                lost[row] |= doubtful(settled.lens, settled.contrast, shown, mouth)
-        tongue = None if self._last is None else self._last.tongue
-        if lost[_LIPS] and not strange:
-            opening = Opening(lenses[MOUTH], 0.0)
-            tongue = tongue and tongue.hidden()
-        else:
-            close = pigments(patch, look.gains, around(lenses[_LIPS]), 1)
-            lips = lip_colour(lenses[_LIPS], close)
-            inside = look_inside(lenses[_LIPS], close, lips)
-            opening = find_opening(lenses[_LIPS], close, inside)
-            tongue = find_tongue(lenses[_LIPS], opening.lens, close, inside, tongue)
-        lenses[MOUTH] = opening.lens
-        middles = (rest if known else lenses)[_EYES, :2].mean(axis=1)
-        irises = find_irises(look, middles, self._last.irises.apart if self._last else None)
-        return Seen(
-            start.placement,
-            start.pose,
-            lenses,
-            start.rigid,
-            lost,
-            contrast,
-            opening,
-            tongue,
-            irises,
-            np.array(apertures),
-            look,
-            weights,
-            _grey(patch),
-            lips,
-            glow,
-        )
+        learnt = self.appearance is not None
+        known = Known(self._rest, learnt, self._last, self._weigh, self._gains)
+        seen = fit(image, start, known, strange)
+        if not self._light and self._gains is None:
+            self._gains = seen.look.gains
+        return seen
 
 
 def _middles(seen: Seen) -> Array:
@@ -318,7 +193,3 @@ def _middles(seen: Seen) -> Array:
 def _clearness(seen: Seen) -> float:
     """How much eyes and brows stand out."""
     return float(np.where(seen.lost, 0.0, seen.contrast)[_UPPER_FACE].sum())
-
-
-def _grey(patch: Picture) -> Picture:
-    return np.asarray(cv2.cvtColor(patch, cv2.COLOR_RGB2GRAY))

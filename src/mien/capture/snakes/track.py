@@ -12,7 +12,7 @@ from mien.capture.headfit import FRONTAL
 from mien.capture.snakes.curves.features import MOUTH, ROW
 from mien.capture.snakes.curves.lens import lower_curve, upper_curve
 from mien.capture.snakes.points import POINTS, places
-from mien.capture.snakes.stepper import Seen
+from mien.capture.snakes.seen import Seen
 
 Array = NDArray[np.float64]
 Bools = NDArray[np.bool_]

@@ -13,7 +13,7 @@ from mien.capture.snakes.curves.fields import field_of
 from mien.capture.snakes.curves.lens import lower_curve, upper_curve
 from mien.capture.snakes.head.patch import HEIGHT, WIDTH
 from mien.capture.snakes.iris import RADIUS
-from mien.capture.snakes.stepper import Seen
+from mien.capture.snakes.seen import Seen
 from mien.performance.trace import Trace
 
 Array = NDArray[np.float64]

@@ -57,9 +57,9 @@ def usual_weights(look: Look, lenses: Array) -> Mapping[str, Weights]:
     return USUAL_WEIGHTS
 
 
-def look_at(patch: Picture, skin: Array | None = None) -> Look:
-    """``patch`` scaled by its own skin, or by a ``skin`` (3,) known from elsewhere."""
-    factors = gains(skin_colour(patch) if skin is None else skin)
+def look_at(patch: Picture, factors: Array | None = None) -> Look:
+    """``patch`` scaled by its own skin, or by ``factors`` (3,) known from elsewhere."""
+    factors = gains(skin_colour(patch)) if factors is None else factors
     small = np.asarray(cv2.resize(patch, _SMALL, interpolation=cv2.INTER_AREA), dtype=np.uint8)
     value = brightness(small, factors)
     return Look(patch, small, factors, value, neighbourhood(value))
@@ -75,7 +75,6 @@ def corner_of(feature: Feature) -> Array:
 
 def field_of(look: Look, feature: Feature, weights: Mapping[str, Weights]) -> Field:
     """I of a feature's rectangle. An eye is what is dark or what is white."""
-
     groups = ("eye", "sclera") if feature.group == "eye" else (feature.group,)
     rows = [weights[group] for group in groups]
     picture = look.at(feature.pitch)

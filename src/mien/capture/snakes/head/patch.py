@@ -86,3 +86,8 @@ class Placement:
                 borderMode=cv2.BORDER_REPLICATE,
             )
         )
+
+
+def grey_of(patch: Picture) -> Picture:
+    """(H, W) the brightness of a picture (H, W, 3)."""
+    return np.asarray(cv2.cvtColor(patch, cv2.COLOR_RGB2GRAY))
