@@ -46,7 +46,7 @@ _SLOWLY = 0.5
 """Patch units by which the usual lip may change in a frame."""
 _FIRST, _LAST = 10, 100
 """Frames that the usual share of pink is a mean of, at first and at last."""
-_USUALLY = 3.0
+_USUALLY = 2.5
 """Shares of the usual pink that are no tongue."""
 _LONG = 15
 """Frames for which a tongue counts that was out longer."""
