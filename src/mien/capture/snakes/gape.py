@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from mien.capture.snakes.colour.pigments import Pigments
 from mien.capture.snakes.colour.transform import Field
 from mien.capture.snakes.curves.lens import boxed
-from mien.capture.snakes.mouth import BRIGHT, LipColour, inside_masks, median
+from mien.capture.snakes.mouth import LipColour, bright, median, teeth
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.uint8]
@@ -51,9 +51,9 @@ class Gape:
 
 def find_gape(field: Field, seen: Pigments, lips: LipColour) -> Gape:
     """The open mouth in the lips' ``field``, of the same pixels as ``seen``."""
-    _, teeth = inside_masks(seen, lips)
-    pale = (field < _PALER * median(field.ravel())) & (seen.value > BRIGHT * lips.value)
-    parts = ((field < _HOLE).view(np.uint8), False), (teeth | pale.view(np.uint8), True)
+    pale = (field < _PALER * median(field.ravel())) & bright(seen, lips)
+    white = teeth(seen, lips) | pale.view(np.uint8)
+    parts = ((field < _HOLE).view(np.uint8), False), (white, True)
     lit, most, widest = field, 0, None
     for mask, below in parts:
         _, *found, _ = cv2.connectedComponentsWithStats(mask, connectivity=4)

@@ -25,6 +25,7 @@ from mien.numeric import bezier
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.uint8]
+Bools = NDArray[np.bool_]
 
 _DARK = 0.38
 """ln(V of the lips / V) from which a pixel is dark."""
@@ -32,7 +33,7 @@ _PALE = 0.65
 """Share of the skin's magenta that a tooth has at most: lips have more than skin, teeth less."""
 _SHADED = 0.9
 """The same of teeth in the shade, or in a soft picture."""
-BRIGHT = 0.55
+_BRIGHT = 0.55
 """Share of the lips' brightness that a tooth has at least."""
 _FEWEST = 30
 """Pixels of an opening."""
@@ -99,11 +100,15 @@ def around(outline: Array) -> Box:
     return int(left), int(top), max(int(right), int(left) + 1), max(int(bottom), int(top) + 1)
 
 
-def inside_masks(seen: Pigments, lips: LipColour) -> tuple[Mask, Mask]:
-    """Dark pixels and teeth, 0 or 1."""
-    dark = seen.value < lips.value * np.exp(-_DARK)
-    teeth = (seen.magenta < _PALE * MAGENTA_SKIN) & (seen.value > BRIGHT * lips.value)
-    return dark.view(np.uint8), teeth.view(np.uint8)
+def bright(seen: Pigments, lips: LipColour) -> Bools:
+    """Pixels that are as bright as teeth are at least."""
+    return seen.value > _BRIGHT * lips.value
+
+
+def teeth(seen: Pigments, lips: LipColour) -> Mask:
+    """Pixels that are plainly teeth, 0 or 1."""
+    white = (seen.magenta < _PALE * MAGENTA_SKIN) & bright(seen, lips)
+    return np.asarray(white.view(np.uint8))
 
 
 def filled(outline: Array, seen: Pigments) -> Mask:
@@ -115,24 +120,24 @@ def filled(outline: Array, seen: Pigments) -> Mask:
 
 def look_inside(outline: Array, seen: Pigments, lips: LipColour) -> Inside:
     """What is within the lips' ``outline`` (6, 2)."""
-    dark, teeth = inside_masks(seen, lips)
+    dark = (seen.value < lips.value * np.exp(-_DARK)).view(np.uint8)
     within = np.asarray(cv2.erode(filled(outline, seen), _MARGIN), dtype=np.uint8)
-    return Inside(lips, within, dark, teeth)
+    return Inside(lips, within, dark, teeth(seen, lips))
 
 
 def find_opening(outline: Array, seen: Pigments, inside: Inside) -> Opening:
     """What shows inside the lips' ``outline`` (6, 2); ``seen`` at one patch unit a pixel."""
-    within, teeth = inside.within, inside.teeth
-    share = cv2.countNonZero(teeth & within) / max(cv2.countNonZero(within), 1)
-    bright = (teeth & within) | _shaded_teeth(seen, inside)
-    shown = opened((inside.dark & within) | bright, _MARGIN)
+    within, plain = inside.within, inside.teeth & inside.within
+    share = cv2.countNonZero(plain) / max(cv2.countNonZero(within), 1)
+    white = plain | _shaded_teeth(seen, inside)
+    shown = opened((inside.dark & within) | white, _MARGIN)
     count = cv2.countNonZero(shown)
     if count >= _FEWEST:
         upper, lower = hull_edges(shown)
         lens = fit_lens(upper, lower) + seen.corner
         width = upper[-1, 0] - upper[0, 0]
         wide = width > _WIDE * (outline[1, 0] - outline[0, 0])
-        thick = count >= _LINE * width or opened(bright, _MARGIN).any()
+        thick = count >= _LINE * width or opened(white, _MARGIN).any()
         if wide and thick and tallness(lens) >= _SLIT:
             return Opening(lens, share)
     return Opening(_slit(outline, seen), share)
@@ -141,7 +146,7 @@ def find_opening(outline: Array, seen: Pigments, inside: Inside) -> Opening:
 def _shaded_teeth(seen: Pigments, inside: Inside) -> Mask:
     """Teeth that shade or a soft picture made nearly as pink as skin, 0 or 1: with lips, and not
     the outline's rim, all round them, for beyond it skin is as pale."""
-    pale = (seen.magenta < _SHADED * MAGENTA_SKIN) & (seen.value > BRIGHT * inside.lips.value)
+    pale = (seen.magenta < _SHADED * MAGENTA_SKIN) & bright(seen, inside.lips)
     within = inside.within
     count, label = cv2.connectedComponents(pale.view(np.uint8) & within, connectivity=4)
     core = np.asarray(cv2.erode(within, _MARGIN, borderValue=0), dtype=np.uint8)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from mien.capture.snakes.colour.pigments import Pigments
 from mien.capture.snakes.colour.transform import MAGENTA_SKIN
 from mien.capture.snakes.curves.lens import lower_curve, tallness, upper_curve
-from mien.capture.snakes.mouth import BRIGHT, Inside, Mask, median, opened
+from mien.capture.snakes.mouth import Inside, Mask, bright, median, opened
 
 Array = NDArray[np.float64]
 
@@ -122,7 +122,7 @@ def pink_below_dark(outline: Array, seen: Pigments, inside: Inside) -> tuple[flo
     if not tongue.any():
         return 0.0, 0.0
     own, lit = median(seen.magenta[tongue > 0]), median(seen.value[tongue > 0])
-    pale = (seen.magenta < _UNDER * own) & (seen.value > BRIGHT * lips.value)
+    pale = (seen.magenta < _UNDER * own) & bright(seen, lips)
     pale |= (seen.magenta < _TOOTH[0] * own) & (seen.value > _TOOTH[1] * lit)
     before = opened(pale & within, _SPECK)
     count, thick = _between(tongue, black, before, within)
